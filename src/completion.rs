@@ -25,7 +25,7 @@ pub fn with_candidates(command: Command) -> Command {
     command.mut_subcommands(with_candidates)
 }
 
-/// The completions for the argument with that id, in any command.
+/// The completions for the argument with this id, in any command.
 fn words(id: &str) -> Option<Words> {
     Some(match id {
         "bus" => buses,

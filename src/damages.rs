@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 #[derive(Default)]
 pub struct Damages {
     counts: BTreeMap<&'static str, u64>,
-    /// How many losses the capture reports, and how many frames these losses cost.
+    /// Number of losses that the capture reports, and the number of frames lost by them.
     losses: (u64, u64),
 }
 

@@ -32,7 +32,7 @@ impl Destination {
         Ok(Self { path: path.to_owned(), format, compression, force })
     }
 
-    /// Whether it is standard output.
+    /// Whether the output is standard output.
     pub fn is_stdout(&self) -> bool {
         self.path.as_os_str() == "-"
     }

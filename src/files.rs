@@ -1,7 +1,7 @@
-//! The files of one command: no output may be an input, and no two outputs the same file.
+//! The files of one command: no output may be an input, and no two outputs may be the same file.
 //!
-//! Files are compared by the system's identity of them, so that another spelling of the path or a link hides nothing.
-//! A command checks all files before it opens the first for writing.
+//! The system's identity of a file decides whether two files are the same: another spelling of the path or a link hides
+//! nothing. A command checks all files before it opens the first for writing.
 
 use anyhow::{Result, bail};
 use canvass_device::MotionSpec;
@@ -88,7 +88,7 @@ impl Files {
     /// Adds outputs.
     ///
     /// # Errors
-    /// If one of them is an input or another output.
+    /// If one of the outputs is an input or another output.
     pub fn writes<'a, P: AsRef<Path> + ?Sized + 'a>(mut self, paths: impl IntoIterator<Item = &'a P>) -> Result<Self> {
         for path in paths.into_iter().map(AsRef::as_ref).filter(|path: &&Path| path.as_os_str() != "-") {
             let Some(identity) = Identity::of_output(path) else { continue };
@@ -110,7 +110,7 @@ impl Files {
 }
 
 impl Identity {
-    /// `None` if there is no file, or nothing in it can be lost: a pipe, a device.
+    /// The identity of an existing file; `None` if no file exists, or if it has no content to lose (a pipe, a device).
     fn of_existing(path: &Path) -> Option<Self> {
         let metadata = fs::metadata(path).ok()?;
         Self::of(&metadata, || fs::canonicalize(path).ok())
@@ -120,7 +120,7 @@ impl Identity {
         if fs::metadata(path).is_ok() {
             return Self::of_existing(path);
         }
-        // The file does not exist yet; its folder does.
+        // The file does not exist yet, but its folder does.
         let name = path.file_name()?;
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or_else(|| Path::new("."));
         let folder = fs::canonicalize(folder).unwrap_or_else(|_| folder.to_owned());

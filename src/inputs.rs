@@ -66,7 +66,7 @@ pub struct Inputs<'a> {
     output: Output,
     interrupt: Interrupt,
     is_live: bool,
-    /// Whether Ctrl-C ends the source itself, which then reports its end. The reader then does not check for Ctrl-C.
+    /// Whether the source ends itself on Ctrl-C and reports its end. The reader then does not check for Ctrl-C.
     ends_itself: bool,
     /// The first source that could not be read to its end.
     stopped: Option<String>,
@@ -89,7 +89,7 @@ impl<'a> Inputs<'a> {
         let open = |file: &PathBuf| options.open(file, output, &interrupt, &progress);
         let opened = files.iter().map(open).collect::<Result<Vec<_>>>();
         let captures = opened.map_err(|error| {
-            // After Ctrl-C an input that was still awaited looks empty.
+            // If Ctrl-C comes before the first byte of an input, the input looks empty.
             if interrupt.came() { anyhow!("interrupted before any input arrived") } else { error }
         })?;
         Ok(Self { is_live, ..Self::merged(captures, options, output, interrupt) })
@@ -152,7 +152,7 @@ impl<'a> Inputs<'a> {
         Ok(None)
     }
 
-    /// Reads what comes next.
+    /// Reads the next record, without sorting.
     #[inline]
     fn read(&mut self) -> Result<Option<RecordKind>, Failure> {
         while (self.ends_itself || !self.interrupt.came())

@@ -10,18 +10,18 @@ use canvass_traces::{Frame, Timestamp};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// The device; whenever it stores something, the file is written.
+/// The device; whenever the device stores parameters, canvass writes the file.
 pub struct KeptDevice {
     device: Device,
     file: Option<PathBuf>,
     /// The content of the file.
     kept: Memory,
-    /// The first error of writing, until it is reported.
+    /// The first error of writing, kept until it is reported.
     trouble: Option<anyhow::Error>,
 }
 
 impl KeptDevice {
-    /// Switches the device on with the content of the file, if it exists.
+    /// Switches the device on with the memory in the file, if the file exists.
     pub fn new(mut device: Device, file: Option<&Path>) -> Result<Self> {
         if let Some(file) = file.filter(|file| file.exists()) {
             let text =

@@ -44,7 +44,7 @@ fn open_to_others(address: &str) -> Option<&str> {
 /// Default time to wait for a client of `slcan:listen://`.
 pub const CLIENT: Duration = Duration::from_secs(10);
 
-/// The option for this time.
+/// The option for the time to wait for a client.
 #[derive(Clone, Copy, clap::Args)]
 pub struct ClientArg {
     /// How long to wait for a client, if the bus is slcan:listen://
@@ -84,8 +84,8 @@ pub fn open_bus_of(address: &str, seed: u64, node: NodeId) -> Result<Box<dyn Bus
 /// Time limit for the boot-up of a simulated device.
 const BOOT: Duration = Duration::from_secs(5);
 
-/// Limits the queue of received frames; the oldest are lost if the tester falls behind. Such late frames say nothing
-/// about the device's times any more. The limit is a third of a second of a full bus at 1 Mbit/s.
+/// Limits the queue of received frames to a third of a second of a full bus at 1 Mbit/s. If the tester falls behind,
+/// the oldest frames are lost: frames this late say nothing about the device's times any more.
 pub fn limited(bus: &mut dyn Bus) {
     bus.limit_backlog(8_192);
 }

@@ -19,7 +19,7 @@ pub struct LiveReader {
     /// The health of the bus at the last check for losses.
     health: Health,
     looked: Timestamp,
-    /// Number of records since then.
+    /// Number of records since the last look at the clock.
     read: u32,
     interruptions: Interrupted,
     state: ReaderState,
@@ -51,7 +51,7 @@ enum ReaderState {
 /// Interval between two checks for Ctrl-C while no frame comes.
 const LOOK: Duration = Duration::from_millis(50);
 
-/// Interval between two checks for losses while frames come without a pause; each check that finds some prints one
+/// Interval between two checks for losses while frames come without a pause; each check that finds losses prints one
 /// line.
 const LOSSES: Duration = Duration::from_millis(250);
 
@@ -88,9 +88,9 @@ impl LiveReader {
         self.interruptions.clone()
     }
 
-    /// Makes a capture of this name.
+    /// Makes a capture named after the bus.
     pub fn capture(self, address: &str) -> Capture {
-        // No file holds the frame; so its source text is the line that candump would have logged.
+        // The source text of a frame is the line that candump would have logged, as no file holds the frame.
         Capture::from_reader(address, Format::Candump, Box::new(self))
     }
 
@@ -202,7 +202,7 @@ mod tests {
     use canvass_bus::BusError;
     use canvass_traces::{CanId, ChannelId, Frame};
 
-    /// A bus that never falls silent: a frame each millisecond, of which every second one is lost.
+    /// A bus that never falls silent: it has a frame each millisecond and loses every second frame.
     struct Flood {
         milliseconds: u64,
         waiting: u64,
@@ -236,7 +236,7 @@ mod tests {
         }
     }
 
-    /// How many records came, and how many losses were reported in how many lines.
+    /// The number of records read, the number of frames reported as lost, and the number of lines that report losses.
     fn read(interrupt_after: Option<usize>, span: Option<Duration>) -> (usize, u64, usize) {
         let interrupt = Interrupt::default();
         let bus = Box::new(Flood { milliseconds: 0, waiting: 10_000 });

@@ -111,7 +111,7 @@ mod tests {
     fn rate_and_time_left_are_told() {
         let text = told(34_000_000, 120_000_000, Duration::from_secs(2));
         assert_eq!(text, "canvass: 34 of 120 MB (28 %), 17.0 MB/s, 6 s left");
-        // A file that has grown meanwhile.
+        // The file has grown since its size was read.
         assert!(told(7, 5, Duration::ZERO).contains("(100 %)"));
     }
 }

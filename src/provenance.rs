@@ -54,13 +54,13 @@ impl FromStr for Note {
 pub enum Subject<'a> {
     /// A device on a live bus; the report has the clock's date.
     LiveBus(&'a str),
-    /// A device on a simulated bus; a run is the same at any time on any machine.
+    /// A device on a simulated bus; a run gives the same result at any time on any machine.
     SimulatedBus(&'a str),
     Files,
 }
 
 impl<'a> Subject<'a> {
-    /// The bus with that address.
+    /// A device on the bus with this address.
     pub fn bus(address: &'a str) -> Self {
         if address.starts_with("sim:") { Self::SimulatedBus(address) } else { Self::LiveBus(address) }
     }

@@ -12,7 +12,7 @@ use std::time::Instant;
 /// Default: some gateways take a minute and a half to restart.
 pub const RECONNECT: Duration = Duration::from_secs(120);
 
-/// The option for this time.
+/// The option for the time to wait for an interrupted bus.
 #[derive(Clone, Copy, clap::Args)]
 pub struct ReconnectArg {
     /// How long to wait for the bus after an interruption: an adapter is unplugged, a connection breaks, an interface
@@ -22,12 +22,12 @@ pub struct ReconnectArg {
 }
 
 impl ReconnectArg {
-    /// Waits for this time, or until the user ends it.
+    /// The endurance that waits for this time, or until the user ends the wait.
     pub fn endurance(self, interrupt: &Interrupt) -> Endurance {
         self.until(None, interrupt.flag())
     }
 
-    /// Waits until that moment, or until the user ends it.
+    /// The endurance that waits until this moment, or until the user ends the wait.
     pub const fn until(self, ends: Option<Instant>, cancelled: Arc<AtomicBool>) -> Endurance {
         Endurance { patience: self.reconnect_timeout, ends, cancelled }
     }

@@ -120,7 +120,7 @@ mod tests {
         whole.complete().unwrap();
         assert_eq!(fs::read_to_string(&path).unwrap(), "new");
         assert_eq!(names(folder.path()), ["report.json"]);
-        // Given up: nothing is left behind.
+        // An abandoned file leaves nothing in the folder.
         WholeFile::create(&path).unwrap().writer().unwrap().write_all(b"half").unwrap();
         assert_eq!((fs::read_to_string(&path).unwrap(), names(folder.path()).len()), ("new".to_owned(), 1));
     }

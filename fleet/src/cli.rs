@@ -1,4 +1,4 @@
-//! What can be typed.
+//! The command line.
 
 use crate::commands::{executor, export, ingest, report, scheduler, schema, sql};
 use crate::status::{Failure, Status};
@@ -35,7 +35,7 @@ enum Command {
 }
 
 impl Cli {
-    /// Does what was typed.
+    /// Runs the typed command.
     pub async fn run(self) -> Result<Status, Failure> {
         match self.command {
             Command::Sql(args) => args.run().await,
@@ -70,7 +70,7 @@ pub struct Engine {
 }
 
 impl Engine {
-    /// The rules which device a node is.
+    /// The rules that tell which device a node is.
     pub fn devices(&self) -> Result<Devices, Failure> {
         let rules: Result<Vec<Rule>, _> = self.device.iter().map(|rule| rule.parse::<Rule>()).collect();
         Ok(Devices::new(rules?))
@@ -78,7 +78,7 @@ impl Engine {
 
     /// A session in which queries run.
     pub async fn session(&self) -> Result<SessionContext, Failure> {
-        // A mistake is told before anything is read.
+        // An error in a rule is reported before any file is read.
         self.devices()?;
         let mut scan = Options::default();
         scan.devices = self.device.join("\n");
@@ -92,7 +92,7 @@ impl Engine {
         }
     }
 
-    /// Files and patterns, as they mean the same on all computers that read them.
+    /// The sources, with paths that mean the same on all computers of a cluster.
     pub fn sources(&self, given: Vec<String>) -> Result<Vec<String>, Failure> {
         match &self.cluster {
             None => Ok(given),
@@ -101,7 +101,7 @@ impl Engine {
     }
 }
 
-/// Bytes as typed, with K, M, G or T.
+/// Parses a number of bytes with an optional K, M, G or T.
 pub fn parse_size(text: &str) -> Result<usize, String> {
     let (digits, shift) = match text.char_indices().last() {
         Some((at, 'k' | 'K')) => (&text[..at], 10),

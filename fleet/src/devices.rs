@@ -1,6 +1,6 @@
-//! `--device`: which device a node is, by its node-ID or by the identity that it shows.
+//! `--device`: which device a node is, by its node-ID or by its identity.
 //!
-//! Rules are plain data: they travel with a plan to where captures are read, file contents included.
+//! Rules are plain data: they are sent with a plan to the computer that reads the captures, with the contents of files.
 
 use canvass_analyzer::dictionary::{DeviceDescription, KnownDevice};
 use canvass_analyzer::network::{Candidate, Candidates, Fact};
@@ -12,29 +12,29 @@ use std::path::Path;
 use std::str::FromStr;
 use std::sync::Arc;
 
-/// What is known of devices: all rules, the first one that fits decides.
+/// All rules about devices; the first rule that matches a node decides.
 #[derive(Clone, PartialEq, Eq, Hash, Debug, Default, Serialize, Deserialize)]
 pub struct Devices(Vec<Rule>);
 
-/// Which nodes are a device, and what describes it.
+/// The nodes of a device, and the description of this device.
 #[derive(Clone, PartialEq, Eq, Hash, Debug, Serialize, Deserialize)]
 pub struct Rule {
-    /// The nodes.
+    /// The nodes that the rule matches.
     who: Who,
-    /// What is then known of them.
+    /// The description of these nodes.
     description: Description,
 }
 
-/// Which nodes a rule is about.
+/// The nodes that a rule matches.
 #[derive(Clone, PartialEq, Eq, Hash, Debug, Serialize, Deserialize)]
 enum Who {
-    /// Those with these node-IDs.
+    /// Nodes with these node-IDs.
     Nodes(Vec<u8>),
-    /// Those that show all of these values: sub-indexes of 1018h.
+    /// Nodes with all of these identity values: sub-indexes of 1018h with their values.
     Identity(Vec<(u8, u32)>),
 }
 
-/// What describes a device.
+/// The source of a device's description.
 #[derive(Clone, PartialEq, Eq, Hash, Debug, Serialize, Deserialize)]
 enum Description {
     /// A built-in model.
@@ -46,24 +46,24 @@ enum Description {
 /// Why a rule can't be used.
 #[derive(Debug, thiserror::Error)]
 pub enum DeviceError {
-    /// It is not written as rules are.
+    /// The syntax of the rule is wrong.
     #[error(
         "\"{0}\": expected NODE=FILE, such as 5=motor.eds, or vendor:N,product:N,revision:N=FILE with at least one of \
          them, such as product:0x2011=motor.eds; FILE may be a built-in model"
     )]
     Syntax(String),
-    /// It names nodes that there are not.
+    /// The rule names an invalid node-ID.
     #[error("\"{rule}\": {source}")]
     Nodes {
-        /// As typed.
+        /// The rule as typed.
         rule: String,
         /// The reason.
         source: canvass_analyzer::NodeError,
     },
-    /// It names neither a model nor a file.
+    /// The rule names neither a model nor a file.
     #[error("\"{0}\" is neither a built-in model (`canvass list models`) nor a file")]
     Missing(String),
-    /// The file can't be read.
+    /// The file of the description can't be read.
     #[error("can't read {name}: {reason}")]
     Unreadable {
         /// The file.
@@ -74,17 +74,18 @@ pub enum DeviceError {
 }
 
 impl Devices {
-    /// These rules.
+    /// Makes the rules from their parts, in order of precedence.
     pub fn new(rules: Vec<Rule>) -> Self {
         Self(rules)
     }
 
-    /// Whether there are none.
+    /// Whether there are no rules.
     pub fn is_empty(&self) -> bool {
         self.0.is_empty()
     }
 
-    /// Tells which device each node is that is named, and offers what the others can be recognised as.
+    /// Passes the devices of named nodes to `describe`, and all candidates for the recognition of other nodes to
+    /// `offer`.
     ///
     /// # Errors
     /// If a description can't be read.
@@ -128,7 +129,7 @@ impl Description {
         let unreadable = |reason: String| DeviceError::Unreadable { name: device.to_owned(), reason };
         let content = small_file::read(path, OF_HAND).map_err(|error| unreadable(error.to_string()))?;
         let file = Self::File { name: device.to_owned(), content };
-        // A mistake is told before anything is read.
+        // An error in the description is reported before any capture is read.
         file.known()?;
         Ok(file)
     }
@@ -170,7 +171,7 @@ impl FromStr for Rule {
     }
 }
 
-/// `product:0x2011` as a sub-index of 1018h and its value.
+/// Parses `product:0x2011` into a sub-index of 1018h and its value.
 fn value(part: &str) -> Option<(u8, u32)> {
     let (name, number) = part.split_once(':')?;
     let sub = ["vendor", "product", "revision", "serial"].iter().position(|known| *known == name)? as u8 + 1;

@@ -1,16 +1,16 @@
-//! Captures and the results of test runs as tables, asked in SQL.
+//! SQL over captures and results of test runs, as tables.
 //!
-//! - [`table`]: the tables and their columns, the only place that says the schema;
+//! - [`table`]: the tables and their columns, the only definition of the schema;
 //! - [`capture`]: files found and read, on disk and in object stores;
-//! - [`cluster`]: the same over several computers;
-//! - [`filter`]: what is asked before a row is made;
+//! - [`cluster`]: queries over several computers;
+//! - [`filter`]: filters that are applied before a row is made;
 //! - [`lake`]: captures and results as Parquet;
 //! - [`render`]: answers as tables, JSON, CSV, Parquet and Arrow;
-//! - [`report`]: what a lake tells, for a page;
+//! - [`report`]: the contents of a lake, for a page;
 //! - [`scan`]: captures as tables of the query engine;
 //! - [`devices`]: which device a node is;
 //! - [`stores`]: object stores;
-//! - [`session`]: the query engine with all of it;
+//! - [`session`]: the query engine with our tables;
 //! - [`views`]: the usual questions, as SQL.
 
 #![warn(clippy::disallowed_methods)]

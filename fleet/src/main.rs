@@ -18,7 +18,7 @@ fn main() -> ExitCode {
     };
     let ended = runtime.block_on(cli.run());
     let status = ended.unwrap_or_else(|failure| failure.report());
-    // A capture that is still read holds nothing up: nobody waits for it any more.
+    // The process does not wait for captures still being read: nobody needs their rows any more.
     runtime.shutdown_background();
     status.into()
 }

@@ -1,4 +1,4 @@
-//! Standard output and standard error: what came out of captures acts on nobody's terminal.
+//! Standard output and standard error: text from captures can't control the terminal.
 
 use canvass_fleet::render::Format;
 use canvass_reports::escape::Visible;
@@ -13,17 +13,17 @@ pub fn is_terminal() -> bool {
     io::stdout().is_terminal()
 }
 
-/// Refuses what is not for a terminal.
+/// Refuses to write a binary format to a terminal.
 ///
 /// # Errors
-/// If a terminal would get it.
+/// If the output would go to a terminal.
 pub fn refuse_terminal(format: Format, output: Option<&Path>) -> anyhow::Result<()> {
     let is_refused = format.is_binary() && output.is_none() && is_terminal();
     anyhow::ensure!(!is_refused, "the format is not for a terminal: give --output FILE, or redirect the output");
     Ok(())
 }
 
-/// Standard output, whose bytes stay as they are: renderers of answers let nothing act.
+/// Standard output for bytes that stay unchanged: the renderers of answers escape control characters themselves.
 #[expect(clippy::disallowed_methods, reason = "this module is the only place that has it")]
 pub fn raw() -> Box<dyn Write + Send> {
     Box::new(BufWriter::new(io::stdout()))
@@ -41,15 +41,15 @@ pub fn print(text: &str) -> io::Result<()> {
     out.flush()
 }
 
-/// Says something on standard error.
+/// Prints a line to standard error.
 #[expect(clippy::disallowed_methods, reason = "this module is the only place that has it")]
 pub fn diagnostic(text: &str) {
     let mut out = Visible::new(io::stderr(), false);
-    // Nobody can be told that nobody can be told.
+    // An error is ignored, as it can't be reported anywhere.
     let _ = out.write_all(text.as_bytes()).and_then(|()| out.write_all(b"\n")).and_then(|()| out.flush());
 }
 
-/// Shows how far something is, on a terminal only.
+/// Shows a progress text, on a terminal only.
 #[expect(clippy::disallowed_methods, reason = "this module is the only place that has it")]
 pub fn progress(text: &str) {
     if io::stderr().is_terminal() {
@@ -57,21 +57,21 @@ pub fn progress(text: &str) {
     }
 }
 
-/// A file that is there when it is complete, or not at all.
+/// A file that appears when it is complete, or not at all.
 pub struct WholeFile {
     file: NamedTempFile,
     path: std::path::PathBuf,
 }
 
 impl WholeFile {
-    /// Begins a file beside its place.
+    /// Begins a temporary file in the folder of `path`.
     ///
     /// # Errors
     /// If the folder can't be written.
     pub fn create(path: &Path) -> io::Result<Self> {
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let mut builder = tempfile::Builder::new();
-        // As any new file: what the user's mask leaves.
+        // Permissions as for any new file, limited by the user's mask.
         #[cfg(unix)]
         builder.permissions(<std::fs::Permissions as std::os::unix::fs::PermissionsExt>::from_mode(0o666));
         let file = builder
@@ -80,18 +80,18 @@ impl WholeFile {
         Ok(Self { file, path: path.to_owned() })
     }
 
-    /// Where to write.
+    /// A writer into the file.
     ///
     /// # Errors
-    /// If the file can't be opened once more.
+    /// If the file can't be opened again.
     pub fn writer(&self) -> io::Result<Box<dyn Write + Send>> {
         Ok(Box::new(BufWriter::new(File::options().write(true).open(self.file.path())?)))
     }
 
-    /// Puts the file in its place.
+    /// Gives the complete file its final name.
     ///
     /// # Errors
-    /// If it can't be moved there.
+    /// If the file can't be renamed.
     pub fn complete(self) -> io::Result<()> {
         self.file.persist(&self.path).map(|_| ()).map_err(|error| error.error)
     }

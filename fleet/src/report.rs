@@ -1,4 +1,4 @@
-//! What a lake tells, for a page: totals, plots over time, and the answers to the usual questions.
+//! The contents of a lake, for a page: totals, plots over time, and the answers to the usual questions.
 
 use crate::views::VIEWS;
 use canvass_reports::fleet::{Fleet, Line, Plot, Question};
@@ -11,7 +11,7 @@ use datafusion::arrow::util::display::{ArrayFormatter, FormatOptions};
 use datafusion::error::Result;
 use datafusion::prelude::SessionContext;
 
-/// A figure of the whole lake: its name and the statement that gives it.
+/// Figures of the whole lake: the name of each, and the statement that computes it.
 const TOTALS: [(&str, &str); 6] = [
     ("Captures", "SELECT count(*) FROM captures"),
     ("not readable to their end", "SELECT count(*) FROM captures WHERE reason IS NOT NULL"),
@@ -24,8 +24,8 @@ const TOTALS: [(&str, &str); 6] = [
     ("Test runs", "SELECT count(*) FROM runs"),
 ];
 
-/// Three columns: what stands below, the line and the value; in the order in which they are shown. What has no date is in the
-/// folder of 1970.
+/// Plots: the title of each, and a statement with three columns: x axis, name of the line and value, in the order
+/// shown. Rows without date are in the folder of 1970.
 const PLOTS: [(&str, &str); 6] = [
     (
         "Captures by day",
@@ -71,10 +71,10 @@ const PLOTS: [(&str, &str); 6] = [
 /// Maximum number of lines in a plot that can be distinguished.
 const LINES: usize = 6;
 
-/// Asks a lake whose tables and views are registered in the session. Each answer has at most `most_rows` rows.
+/// Queries a lake whose tables and views are registered in the session. Each answer has at most `most_rows` rows.
 ///
 /// # Errors
-/// What the engine gives.
+/// The errors of the query engine.
 pub async fn ask(session: &SessionContext, lake: &str, most_rows: usize) -> Result<Fleet> {
     let mut fleet = Fleet {
         lake: lake.to_owned(),
@@ -102,7 +102,7 @@ pub async fn ask(session: &SessionContext, lake: &str, most_rows: usize) -> Resu
     Ok(fleet)
 }
 
-/// Rows of texts, with the names of their columns.
+/// The names of the columns, and rows of texts.
 type Rows = (Vec<String>, Vec<Vec<Option<String>>>);
 
 async fn rows(session: &SessionContext, statement: &str) -> Result<Rows> {
@@ -124,7 +124,7 @@ fn texts(column: &ArrayRef) -> Result<Vec<Option<String>>, ArrowError> {
     (0..column.len()).map(text).collect()
 }
 
-/// The first two columns are texts, the third one is a number.
+/// Makes a plot from batches whose first two columns are texts and whose third one is a number.
 fn plot(title: &str, batches: &[RecordBatch]) -> Result<Plot> {
     let mut plot = Plot { title: title.to_owned(), ..Plot::default() };
     for batch in batches {
@@ -140,7 +140,7 @@ fn plot(title: &str, batches: &[RecordBatch]) -> Result<Plot> {
 }
 
 fn point(plot: &mut Plot, label: &str, name: &str, value: Option<f64>) {
-    // A month is shown as such, and not as the moment of its beginning.
+    // The label of a month has no day and time.
     let label = label.strip_suffix("-01T00:00:00Z").unwrap_or(label);
     if plot.labels.last().is_none_or(|last| last != label) {
         plot.labels.push(label.to_owned());

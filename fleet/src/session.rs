@@ -9,25 +9,25 @@ use datafusion::execution::session_state::SessionStateBuilder;
 use datafusion::prelude::{SessionConfig, SessionContext};
 use std::sync::Arc;
 
-/// What a session is to be like.
+/// The settings of a session.
 #[derive(Clone, Debug, Default)]
 pub struct Settings {
-    /// How captures are scanned.
+    /// The options of scans.
     pub scan: Options,
     /// Number of parts of a query that run at a time; `None`: number of processors.
     pub partitions: Option<usize>,
-    /// How many bytes of memory queries may take before they use the disk; nothing: as much as there is.
+    /// Number of bytes of memory that queries may take before they use the disk; `None`: no limit.
     pub memory: Option<usize>,
 }
 
 impl Settings {
-    /// The settings as the engine knows them.
+    /// The settings in the engine's form.
     pub fn config(&self) -> SessionConfig {
         let mut config = SessionConfig::new().with_information_schema(true).with_option_extension(self.scan.clone());
         if let Some(partitions) = self.partitions {
             config = config.with_target_partitions(partitions);
         }
-        // Texts of which there are few stay dictionaries, and others are what the schema says.
+        // Without this option the engine would read texts as view types. The schema has dictionaries and plain texts.
         config.options_mut().execution.parquet.schema_force_view_types = false;
         config
     }
@@ -47,7 +47,7 @@ pub fn with_tables(config: SessionConfig, runtime: Arc<RuntimeEnv>) -> SessionCo
     complete(SessionContext::new_with_state(builder.build()))
 }
 
-/// Adds our tables to a session, such as one of a cluster.
+/// Adds our tables to a session, such as a session of a cluster.
 pub fn complete(context: SessionContext) -> SessionContext {
     let factory = Arc::new(FileTables::default());
     let known = Arc::clone(context.state_ref().read().catalog_list());

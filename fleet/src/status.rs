@@ -1,12 +1,12 @@
-//! Exit statuses, as those of `canvass`.
+//! Exit statuses, the same as those of `canvass`.
 
 use crate::output::diagnostic;
 use std::process::ExitCode;
 
-/// How the program ended.
+/// The exit status of the program.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Status {
-    /// Everything as it should be.
+    /// Success.
     Good = 0,
     /// Wrong usage or unreadable input.
     Usage = 2,
@@ -33,7 +33,7 @@ impl Failure {
         Self { status: Status::Unreachable, error: error.into() }
     }
 
-    /// Says what went wrong, unless it is only that nobody reads the output any more.
+    /// Prints the error, unless it is only a closed standard output.
     pub fn report(&self) -> Status {
         if self.is_broken_pipe() {
             return Status::Good;
@@ -42,7 +42,7 @@ impl Failure {
         self.status
     }
 
-    /// The error and its causes, without those that the words before them tell already.
+    /// The error and its causes; a cause that repeats the text before it is left out.
     pub fn message(&self) -> String {
         let causes = self.error.chain().map(|cause| plain(&cause.to_string()));
         causes.fold(String::new(), |message, cause| match message.as_str() {
@@ -68,13 +68,13 @@ impl Failure {
     }
 }
 
-/// What the engine says, without the words for where in it that arose.
+/// The message of the engine without its names of the engine's parts.
 fn plain(message: &str) -> String {
     let words = ["External error: ", "Error during planning: ", "SQL error: ", "Execution error: ", "IO error: "];
     words.iter().fold(message.to_owned(), |message, word| message.replace(word, ""))
 }
 
-/// Errors that nothing else is said of come from what the user gave: arguments, statements or files.
+/// By default an error counts as wrong usage: most come from arguments, statements or files.
 impl<E: Into<anyhow::Error>> From<E> for Failure {
     fn from(error: E) -> Self {
         Self { status: Status::Usage, error: error.into() }

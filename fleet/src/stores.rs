@@ -1,6 +1,6 @@
-//! Object stores, found by their URL: `file:` is this computer, `s3:` is made from the environment.
+//! Object stores, found by their URL: `file:` is this computer, `s3:` is configured by the environment.
 //!
-//! Credentials and regions come from the environment, as the command line tools of AWS have them (`AWS_ACCESS_KEY_ID`,
+//! Credentials and regions come from the same variables as for the command line tools of AWS (`AWS_ACCESS_KEY_ID`,
 //! `AWS_SECRET_ACCESS_KEY`, `AWS_REGION`, `AWS_ENDPOINT`, `AWS_ALLOW_HTTP`, web identities, instance profiles).
 
 use datafusion::error::{DataFusionError, Result};
@@ -11,7 +11,7 @@ use object_store::aws::AmazonS3Builder;
 use std::sync::Arc;
 use url::Url;
 
-/// Knows the stores that are registered, and makes those of S3 when they are first asked for.
+/// The registered stores; an S3 store is created at its first use.
 #[derive(Debug, Default)]
 pub struct Stores(DefaultObjectStoreRegistry);
 
@@ -38,7 +38,7 @@ impl ObjectStoreRegistry for Stores {
     }
 }
 
-/// A runtime that knows these stores, and in which queries may take so many bytes of memory before they use the disk.
+/// A runtime with these stores, in which queries may take `memory` bytes of memory before they use the disk.
 ///
 /// # Errors
 /// If no folder for temporary files can be made.

@@ -1,11 +1,11 @@
-//! The usual questions: views that ship as SQL files, each with its words in front.
+//! The usual questions: views in SQL files, each with an explanation before its statement.
 
 use datafusion::error::Result;
 use datafusion::prelude::SessionContext;
 
-/// A question.
+/// A view that answers a question.
 pub struct View {
-    /// What the view is called.
+    /// The name of the view.
     pub name: &'static str,
     /// The file: comments, and the statement that makes the view.
     pub sql: &'static str,
@@ -17,7 +17,7 @@ macro_rules! views {
     };
 }
 
-/// All of them.
+/// All views.
 pub const VIEWS: &[View] = views![
     "heartbeat_losses"
     "emcy_rates"
@@ -32,23 +32,23 @@ pub const VIEWS: &[View] = views![
 ];
 
 impl View {
-    /// The words in front of the statement: the first line is the title.
+    /// The explanation before the statement, line by line: the first line is the title.
     fn words(&self) -> impl Iterator<Item = &'static str> {
         self.sql.lines().map_while(|line| line.strip_prefix("--")).map(str::trim)
     }
 
-    /// What it is about.
+    /// The title of the view.
     pub fn title(&self) -> &'static str {
         self.words().next().unwrap_or(self.name)
     }
 
-    /// What it says, and what to be careful with.
+    /// What the view shows, and its limits.
     pub fn doc(&self) -> String {
         self.words().skip(1).filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ")
     }
 }
 
-/// Makes the views known in a session that has the tables.
+/// Registers the views in a session that has the tables.
 ///
 /// # Errors
 /// If a table is missing.

@@ -159,7 +159,7 @@ mod tests {
         assert_eq!(changed(&archive, &entries()).unwrap(), None);
     }
 
-    /// Whatever byte is changed, and however: it is not read, or other files are, or it shows where.
+    /// Any change of any byte is detected: reading fails, reading gives other files, or `changed` names the place.
     #[test]
     fn each_changed_byte_shows() {
         let archive = write(&entries()).unwrap();

@@ -138,7 +138,7 @@ struct Conversion<'a> {
 impl Conversion<'_> {
     fn run(&mut self, inputs: &mut Inputs<'_>) -> Result<(), Failure> {
         while let Some(kind) = inputs.advance()? {
-            // A salvaged frame contradicts itself; written out, it would look like a good frame.
+            // A salvaged frame contradicts itself; in the output it would look like a good frame.
             if kind == RecordKind::Record && self.chooses(inputs.record(), inputs) {
                 let flushes = self.flushes;
                 let recording = self.recording(inputs)?;

@@ -55,7 +55,7 @@ pub fn show(
             output.append(|buffer| events.event(&scene, event, buffer))?;
         }
     }
-    // Filters select frames; an event at the end of the capture has none.
+    // Filters select frames; an event at the end of the capture belongs to no frame.
     match last {
         Some(last) if !selection.has_filter() => show_open(inputs, network, last, selection, events, output),
         _ => Ok(()),

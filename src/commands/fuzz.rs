@@ -182,7 +182,8 @@ impl Args {
         }
     }
 
-    /// When shortening ends at the latest. On a simulated bus the limit is later, as each try costs almost no time.
+    /// The latest time at which shortening ends. On a simulated bus the limit is later, as each try costs almost no
+    /// time.
     fn ends(&self, span: Option<Duration>, simulated: bool) -> Option<Instant> {
         let more = if simulated { Duration::from_secs(3) } else { Duration::ZERO };
         Some(Instant::now() + std::time::Duration::from(span? + more))
@@ -265,7 +266,7 @@ impl Args {
     }
 }
 
-/// Violations precede a failure of the bus: they stay true.
+/// The exit status. Violations precede a failure of the bus: they stay true.
 fn status(run: &Run) -> Status {
     match &run.outcome {
         outcome if !outcome.violations.is_empty() => Status::Findings,

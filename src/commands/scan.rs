@@ -60,7 +60,7 @@ pub struct Args {
 struct Found {
     state: Option<State>,
     answers: bool,
-    /// The objects of its identity, as far as the node has them.
+    /// The identity objects that the node has.
     shown: Shown,
 }
 
@@ -168,7 +168,7 @@ fn undisturbed<T>(
     act(exchange)
 }
 
-/// The result of a scan.
+/// The nodes and the unconfigured device that a scan found.
 struct Scan {
     nodes: BTreeMap<NodeId, Found>,
     /// The device that Fastscan found.

@@ -83,7 +83,7 @@ enum Wish {
     Write { value: String, segmented: bool },
 }
 
-/// The shown facts of a transfer.
+/// The facts of a transfer that are shown.
 #[derive(Default)]
 struct Shown {
     object: String,

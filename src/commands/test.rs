@@ -217,7 +217,7 @@ impl Args {
     }
 
     /// The default time limit: several times the duration of the cases on a device that needs 10 s to start, as some
-    /// do. It ends only runs that would never end.
+    /// devices do. The limit ends only runs that would never end.
     fn usual_limit(&self, cases: usize) -> Duration {
         let each = if self.exhaustive { 120 } else { 60 };
         Duration::from_secs(60 + each * cases as u64 * u64::from(self.repeat))

@@ -47,7 +47,7 @@ pub fn of(given: Option<&GivenDate>, subject: Subject<'_>) -> Result<Option<Date
     }
 }
 
-/// The current date, or that of `SOURCE_DATE_EPOCH`.
+/// The current date, or the date of `SOURCE_DATE_EPOCH`.
 pub fn of_file() -> Result<Zoned> {
     Ok(of_environment()?.unwrap_or_else(Zoned::now))
 }

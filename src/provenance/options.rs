@@ -15,7 +15,7 @@ pub struct Typed {
 }
 
 /// Options that do not affect the result: they concern outputs, or the provenance holds their values elsewhere. Runs
-/// that differ only in them have the same result.
+/// that differ only in these options have the same result.
 const OF_NO_CONSEQUENCE: [&str; 20] = [
     "help",
     "bus",

@@ -1,4 +1,4 @@
-//! Captures whose pages are looked at, and the pages.
+//! Captures for the tests, and their pages.
 
 use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
@@ -66,7 +66,8 @@ pub fn machine(seconds: u64) -> Log {
     log
 }
 
-/// The machine with an error that came and went, a restart by itself and an object that it does not know.
+/// The machine with an error that comes and goes, a restart of the encoder by itself, and a request for an object that
+/// the encoder lacks.
 pub fn faulty() -> Log {
     let mut log = machine(40);
     log.at(12_000_123, "083#1081110000000000").at(12_400_123, "083#0000000000000000");
@@ -75,14 +76,14 @@ pub fn faulty() -> Log {
     log
 }
 
-/// A folder that is gone after the test, with the page of a capture.
+/// A folder with the page of a capture; it is deleted after the test.
 pub struct Page {
     folder: tempfile::TempDir,
     pub path: PathBuf,
 }
 
 impl Page {
-    /// Of a log whose file has that name.
+    /// The page of `canvass diagnose` for a log, whose file gets this name.
     pub fn of(log: &str, name: &str) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let capture = folder.path().join(name);
@@ -93,7 +94,7 @@ impl Page {
         Self { folder, path }
     }
 
-    /// Of a conformance run.
+    /// The page of a conformance run.
     pub fn of_test(bus: &str) -> Self {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("page.html");
@@ -102,13 +103,13 @@ impl Page {
         Self { folder, path }
     }
 
-    /// Where its capture is.
+    /// The folder of the capture.
     pub fn folder(&self) -> &Path {
         self.folder.path()
     }
 }
 
-/// Runs the program: findings are no failure of it.
+/// Runs the program, which may end with findings.
 fn made(command: &mut Command) {
     let output = command.output().unwrap();
     let status = output.status.code();

@@ -14,7 +14,7 @@ fn it_renders_and_filters() {
     browser.fill("#filter", "segment-toggle");
     assert!(visible() >= 1.0 && visible() < 10.0);
     assert_eq!(status(), format!("{} of {all}", visible()));
-    // What is filtered out is shown again when a link leads to it.
+    // A link to a case that the filter hides shows the case again.
     let hidden = browser.text("return document.querySelector('.finding[hidden]').id");
     browser.click(&format!(".cell[href='#{hidden}']"));
     browser.wait(&format!("document.getElementById('{hidden}').open && !document.getElementById('{hidden}').hidden"));

@@ -23,7 +23,7 @@ fn objects_are_found_as_one_types() {
         };
         assert_eq!(search("6004"), "3 of 92", "the object, and the PDOs that carry it");
         assert_eq!(search("position raw"), "2 of 92");
-        // A link from a PDO leads to an object that was hidden.
+        // A link from a PDO leads to an object that the filter hides.
         browser.run("document.querySelector('.pdo a').click()");
         assert_eq!(search(""), "");
         assert_eq!(browser.number("return document.querySelectorAll('svg.layout').length"), 4.0);

@@ -34,7 +34,7 @@ fn it_renders_without_a_word_or_a_request() {
     for id in ["summary", "timeline", "load", "signals", "responses", "nodes", "findings", "frames"] {
         assert_eq!(browser.number(&format!("return document.querySelectorAll('h2#{id}').length")), 1.0, "{id}");
     }
-    // Something is drawn, not only made room for.
+    // The plots contain pixels, not only empty space.
     let inked = "return [...document.querySelectorAll('canvas')].map((canvas) => canvas.getContext('2d') \
                  .getImageData(0, 0, canvas.width, canvas.height).data.filter((value, n) => n % 4 === 3 && value > 0).length)";
     for pixels in browser.run(inked).as_array().unwrap() {
@@ -54,7 +54,7 @@ fn it_renders_without_a_word_or_a_request() {
     browser.is_quiet();
 }
 
-/// What the timeline shows of a node: its states with their seconds.
+/// The states of a node in the timeline, with their seconds.
 fn lane(browser: &Browser, node: u8) -> Vec<(f64, f64, String)> {
     let spans = browser.run(&format!(
         "const row = canvass.timeline.rows.find((row) => row.id === {node}); \
@@ -66,8 +66,8 @@ fn lane(browser: &Browser, node: u8) -> Vec<(f64, f64, String)> {
     spans.as_array().unwrap().iter().map(span).collect()
 }
 
-/// A node without supply for eight seconds, reset twice in vain: it says nothing in that time, and boots after it. Who
-/// waits for its heartbeat says so, and arrows lead there.
+/// A node has no supply for eight seconds, and two resets of it are in vain: it sends nothing in that time, and boots
+/// afterwards. The consumer of its heartbeat reports the loss, and an arrow leads to this report.
 #[test]
 fn a_silent_node_is_drawn_as_silent() {
     let mut log = machine(40);
@@ -89,7 +89,7 @@ fn a_silent_node_is_drawn_as_silent() {
     assert!((silent.0 - 11.94).abs() < 0.01 && (silent.1 - 20.3).abs() < 0.01, "{silent:?}");
     let legend = browser.text("return document.getElementById('states').textContent");
     assert!(legend.contains("silent") && !legend.contains("reset"), "{legend}");
-    // From the loss to the consumer that notices it, and not back in time.
+    // Arrows lead from the loss to the consumer that notices it, never back in time.
     let arrows = browser.run(
         "return canvass.timeline.arrows().map(({ from, to, cause, effect }) => \
          [canvass.data.findings[cause - 1].title, canvass.data.findings[effect - 1].title, from.x, to.x])",
@@ -163,7 +163,7 @@ fn filters_filter() {
     browser.click(".tile.error");
     browser.fill("#finding-text", "6099h");
     assert_eq!(findings(), 1.0);
-    // A link to a finding that is filtered out shows it.
+    // A link to a finding that the filter hides shows the finding.
     let linked = browser.text("return document.querySelector('.foremost li:first-child a').hash");
     browser.click(".foremost li:first-child a");
     browser.wait(&format!("`#${{document.activeElement.id}}` === '{linked}' && !document.activeElement.hidden"));
@@ -173,7 +173,7 @@ fn filters_filter() {
 #[test]
 fn a_finding_leads_to_its_frame() {
     let (browser, _page) = open();
-    // Whatever was filtered before.
+    // The link works with any filter of frames.
     browser.fill("#frame-text", "heartbeat");
     let id = browser.text(
         "return [...document.querySelectorAll('.finding')].find((finding) => finding.textContent.includes('8110h')).id",
@@ -189,12 +189,12 @@ fn a_finding_leads_to_its_frame() {
     );
     assert_eq!((target[0].as_str(), &target[1], &target[2]), (Some(line.as_str()), &true.into(), &true.into()));
     assert!(target[3].as_str().unwrap().contains("8110h"), "{target}");
-    // Its neighbours are there, and from the frame a link leads back.
+    // The frame is shown among its neighbours, and a link leads back to the finding.
     assert!(browser.number("return document.querySelectorAll('#frame-rows tr[id]').length") > 20.0);
     browser.click("tr.target a.proof");
     browser.wait("document.activeElement.matches('.finding')");
     assert!(browser.text("return document.activeElement.textContent").contains("8110h"));
-    // The plots go where the finding is.
+    // The plots move to the time of the finding.
     browser.click(".finding:focus button[data-from]");
     let (first, last) = shown(&browser);
     assert!(first < 12.0 && last > 12.0 && last - first < 20.0, "{first} to {last}");
@@ -219,7 +219,7 @@ fn colours_are_the_systems_or_those_chosen() {
 fn hostile_names_stay_text() {
     const NAME: &str = "<img src=x onerror=owned()>";
     let mut log = faulty();
-    // A device name in segments, and one in a short answer.
+    // One device name arrives in segments, another in an expedited response.
     log.sdo(200_000, 3, "4008100000000000", "410810001B000000", 500);
     for (n, segment) in NAME.as_bytes().chunks(7).enumerate() {
         let bytes: String = segment.iter().map(|byte| format!("{byte:02X}")).collect();
@@ -269,7 +269,7 @@ fn a_healthy_capture_says_so() {
     browser.is_quiet();
 }
 
-/// Nothing on it at all, and times that are all zero.
+/// Captures without known nodes, or with all times zero.
 #[test]
 fn captures_of_nothing_and_without_times() {
     for log in ["(0.000000) can0 705#05\n", "(0.0) can0 12345678#00\n(0.0) can0 20000004#0000000000000000\n"] {

@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 
 const FRAMES: u64 = 1_000_000;
 
-/// An hour with eight more nodes and faults all over.
+/// An hour of traffic with eight more nodes and errors everywhere.
 fn hour() -> Log {
     let seconds = 3_600;
     let mut log = machine(seconds);
@@ -53,7 +53,7 @@ fn a_million_frames_are_no_burden() {
     assert!(opened < Duration::from_secs(20), "with the start of the browser {opened:?}");
     assert!(browser.number("return canvass.data.findings.length") > 20.0);
     assert!(browser.number("return canvass.data.frames.length") > 1_000.0);
-    // Moving about stays quick.
+    // Zooming and scrolling stay fast.
     let redraw = browser.number(
         "return (async () => { \
            const begin = performance.now(); \

@@ -1,4 +1,4 @@
-//! Runs the program.
+//! Runs the program in a folder.
 
 use std::io::{ErrorKind, Write};
 use std::path::{Path, PathBuf};
@@ -13,7 +13,7 @@ impl Folder {
         Self(TempDir::new().unwrap())
     }
 
-    /// A file in it with that content.
+    /// Adds a file with this content to the folder.
     pub fn with(self, name: &str, content: impl AsRef<[u8]>) -> Self {
         std::fs::write(self.path(name), content).unwrap();
         self
@@ -33,7 +33,7 @@ impl Folder {
         command
     }
 
-    /// Status, standard output, standard error.
+    /// Status, standard output and standard error of a run without standard input.
     pub fn run(&self, args: &str) -> (i32, String, String) {
         ended(&self.command(args).stdin(Stdio::null()).output().unwrap())
     }
@@ -44,14 +44,14 @@ impl Folder {
         command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped());
         let mut child = command.spawn().unwrap();
         let written = child.stdin.take().unwrap().write_all(input);
-        // A program that ends for another reason need not read.
+        // A program that ends for another reason need not read its input.
         if let Err(error) = written {
             assert_eq!(error.kind(), ErrorKind::BrokenPipe);
         }
         ended(&child.wait_with_output().unwrap())
     }
 
-    /// Runs it; it must succeed. Gives standard error.
+    /// Runs the program, which must succeed. Returns standard error.
     pub fn good(&self, args: &str) -> String {
         let (status, _, errors) = self.run(args);
         assert_eq!(status, 0, "{args}: {errors}");
@@ -64,7 +64,7 @@ pub fn ended(output: &Output) -> (i32, String, String) {
     (output.status.code().unwrap_or(-1), text(&output.stdout), text(&output.stderr))
 }
 
-/// A capture among the samples of canvass-traces.
+/// The path of a sample of canvass-traces.
 pub fn sample(name: &str) -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("traces/samples").join(name)
 }

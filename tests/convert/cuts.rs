@@ -1,8 +1,8 @@
-//! A part of a capture is converted.
+//! Converting a part of a capture.
 
 use crate::command::Folder;
 
-/// Nodes 5 and 6 on two channels, a frame each 10 s.
+/// Nodes 5 and 6 on two channels, with a frame every 10 s.
 const LOG: &str = "\
 (1700000000.000000) can0 705#00
 (1700000010.000000) can1 706#00

@@ -1,4 +1,4 @@
-//! `docs/formats.md` tells what the program does.
+//! `docs/formats.md` agrees with the program.
 
 use canvass_traces::Format;
 use std::path::Path;

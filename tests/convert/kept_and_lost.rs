@@ -1,4 +1,4 @@
-//! What each format keeps of a recording that has everything, and what it loses, aloud.
+//! Each format keeps what it can hold of a recording with all kinds of frames, and every loss is reported.
 
 use crate::command::{Folder, sample};
 use crate::recording;
@@ -7,14 +7,14 @@ use canvass_traces::{Direction, Format, Loss};
 use std::collections::BTreeSet;
 use std::path::Path;
 
-/// One written format.
+/// A written format, with its losses.
 struct Kept {
     format: Format,
-    /// What is lost of [`recording::log`].
+    /// The losses from [`recording::log`].
     lost: &'static [Loss],
-    /// What is lost of other recordings only; each has its test below.
+    /// The losses from other recordings only; each has its test below.
     lost_elsewhere: &'static [Loss],
-    /// What becomes of a row; `None` if nothing.
+    /// The row after writing and reading; `None` if the format can't hold the row.
     row: fn(RecordContent, &mut Numbers) -> Option<RecordContent>,
 }
 
@@ -88,7 +88,7 @@ const TABLE: &[Kept] = &[
     },
 ];
 
-/// Channels that became numbers, in the order of their first frames.
+/// The names of channels that became numbers, in the order of their first frames.
 #[derive(Default)]
 struct Numbers(Vec<String>);
 
@@ -109,7 +109,7 @@ fn no_raw_dlc(row: RecordContent) -> RecordContent {
     RecordContent { dlc, ..row }
 }
 
-/// All that is left is that there was an error: a bus error, as Linux numbers it.
+/// Only the fact of an error is left: a bus error, as Linux numbers it.
 fn no_error_detail(row: RecordContent) -> RecordContent {
     if row.is_error { RecordContent { id: 0x80, data: Vec::new(), dlc: 0, ..row } } else { row }
 }
@@ -118,7 +118,7 @@ fn file(format: Format) -> String {
     format!("out.{}", format.extensions()[0])
 }
 
-/// `canvass: FORMAT can't hold LOSS: …` of each line.
+/// The losses in lines of the form `canvass: FORMAT can't hold LOSS: …`.
 fn losses_told(errors: &str, format: Format) -> Vec<&str> {
     let prefix = format!("canvass: {format} can't hold ");
     errors
@@ -176,7 +176,7 @@ fn the_table_is_that_of_the_formats() {
     }
 }
 
-/// The losses told when that file is converted to that format.
+/// The messages when this file is converted to this format.
 fn told_of(folder: &Folder, file: &Path, format: Format) -> String {
     std::fs::copy(file, folder.path("in")).unwrap();
     folder.good(&format!("convert in --force --to {format} lost"))
@@ -193,7 +193,8 @@ fn local_times_become_times_of_no_zone() {
     assert!(!told_of(&folder, &local, Format::Trc).contains(Loss::TimeZone.name()));
 }
 
-/// Captures of all formats whose times can count from their start become 1970 aloud where a format counts from there.
+/// Captures of formats whose times may count from the start of the recording get dates in 1970 where the output format
+/// needs dates. A message reports it.
 #[test]
 fn times_of_no_date_become_1970_aloud() {
     let trc = ";####\r\n;\r\n     1)     17535  00000701  1  05 \r\n";

@@ -24,7 +24,7 @@ fn files_become_one_by_time() {
 
 #[test]
 fn equal_names_of_different_files_are_different_buses() {
-    // The same transfer on both: as one bus, the second request would break the first transfer.
+    // The same transfer is on both buses: on a single bus, the second request would break the first transfer.
     let log = "(1700000000.000000) can0 605#4000100000000000\n(1700000001.000000) can0 585#4300100091010000\n";
     let folder = Folder::new().with("a.log", log).with("b.log", log);
     let (_, out, _) = folder.run("decode a.log b.log --format json");
@@ -58,7 +58,7 @@ fn one_unreadable_file_does_not_stop_the_others() {
     let folder = Folder::new().with("a.log", A).with("b.log", B);
     folder.good("convert b.log b.log.gz");
     let mut damaged = std::fs::read(folder.path("b.log.gz")).unwrap();
-    // The head of the deflated data: nothing can be read after it.
+    // Only the header of the deflated data is left: no data can be read.
     damaged.truncate(18);
     let folder = folder.with("b.log.gz", damaged);
     let (status, out, errors) = folder.run("convert a.log b.log.gz - --to candump --format-in candump");

@@ -1,10 +1,10 @@
-//! No command writes a file that it reads, or one file twice; what was there stays until there is something whole.
+//! No command writes a file that it reads, or writes a file twice. Old files stay until the new ones are complete.
 
 use crate::command::{Folder, sample};
 
 const LOG: &str = "(1700000000.000001) can0 701#05\n";
 
-/// Files that are worth keeping, and what the commands read.
+/// A folder with files to be kept, and with the inputs of the commands.
 fn folder() -> Folder {
     let folder = Folder::new().with("in.log", LOG).with("kept", "precious").with("waivers.toml", "");
     let eds = concat!(env!("CARGO_MANIFEST_DIR"), "/conformance/device/models/reference-301.eds");
@@ -13,7 +13,7 @@ fn folder() -> Folder {
     folder
 }
 
-/// Every way in which a command was once talked into overwriting what it reads.
+/// Each of these command lines once overwrote one of its own inputs.
 #[test]
 fn no_output_is_an_input_or_another_output() {
     let folder = folder();
@@ -81,7 +81,7 @@ fn results_and_captures_are_overwritten_only_by_force() {
     assert!(folder.read("kept").contains("node"));
 }
 
-/// A run that tells nothing, or that can't write all of it, leaves the report of the run before.
+/// A run without a result, or whose result can't be written, keeps the report of the run before.
 #[test]
 fn a_report_stays_until_there_is_a_new_one() {
     let folder = folder();
@@ -98,7 +98,8 @@ fn a_report_stays_until_there_is_a_new_one() {
     assert_eq!(std::fs::read_dir(folder.path(".")).unwrap().count(), 5, "nothing is left beside");
 }
 
-/// Whoever reads the first line of the table still gets whole reports, and the status says what the verdict was.
+/// A reader that closes standard output after the first line still gets complete reports, and the status tells the
+/// verdict.
 #[cfg(unix)]
 #[test]
 fn a_closed_standard_output_changes_neither_verdicts_nor_reports() {
@@ -110,7 +111,7 @@ fn a_closed_standard_output_changes_neither_verdicts_nor_reports() {
         ("test sim:reference-301 --select 301/sdo/upload --report json=r2".to_owned(), "r2", 0),
         (format!("fuzz {faulty} --target sdo --seed 1 --runs 300 --shrink-budget 5 --report json=r3"), "r3", 1),
     ] {
-        // Nobody reads from the start.
+        // Standard output is closed from the start.
         let mut child = folder.command(&args);
         let mut child = child.stdout(std::process::Stdio::piped()).stderr(std::process::Stdio::null()).spawn().unwrap();
         drop(child.stdout.take());

@@ -1,4 +1,4 @@
-//! Which file is written, and how.
+//! The choice of the output file and its format.
 
 use crate::command::{Folder, ended, sample};
 use crate::recording;
@@ -127,7 +127,7 @@ fn ctrl_c_ends_the_file() {
     let mut stdin = child.stdin.take().unwrap();
     stdin.write_all(LOG.as_bytes()).unwrap();
     stdin.write_all(b"(1700000000.000003) can0 12").unwrap();
-    // The file is made once the first line was seen.
+    // The program creates the file after it has read the first line.
     while !folder.path("live.mcap").exists() {
         std::thread::sleep(std::time::Duration::from_millis(10));
     }

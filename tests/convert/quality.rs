@@ -1,4 +1,4 @@
-//! The quality of captures, as the program tells it.
+//! The quality of captures, as the program prints it.
 
 use crate::command::Folder;
 use crate::recording;

@@ -1,11 +1,11 @@
-//! A recording that has everything that a capture can have, as a candump log.
+//! A recording with all kinds of frames that a capture can have, as a candump log.
 
 use std::fmt::Write;
 
 pub const FRAMES: usize = 6_000;
 
-/// Always the same: standard, extended, remote, error, CAN FD and CAN XL frames, raw DLCs, directions known and not,
-/// on three channels, with times of a nanosecond.
+/// A recording that never changes: standard, extended, remote, error, CAN FD and CAN XL frames, raw DLCs, directions
+/// known and not, on three channels, with times of a nanosecond.
 pub fn log() -> String {
     let mut random = Random(0x2545_F491_4F6C_DD1D);
     let mut nanos = 1_700_000_000_000_000_123_u64;
@@ -56,7 +56,7 @@ fn byte(random: &mut Random) -> String {
     format!("{:02X}", random.below(256))
 }
 
-/// Xorshift: the same numbers everywhere.
+/// Random numbers that are the same on all machines (xorshift).
 struct Random(u64);
 
 impl Random {

@@ -3,7 +3,7 @@
 use canvass_traces::{Capture, Direction, ReadOptions, Reader, XlHeader};
 use std::path::Path;
 
-/// All of a record but its place.
+/// All of a record but its place in the file.
 #[derive(Clone, PartialEq, Debug)]
 pub struct RecordContent {
     pub nanos: u64,
@@ -13,7 +13,7 @@ pub struct RecordContent {
     pub is_extended: bool,
     pub is_remote: bool,
     pub is_error: bool,
-    /// BRS 1, ESI 2, FDF 4, XLF 8.
+    /// The flags BRS 1, ESI 2, FDF 4, XLF 8.
     pub flags: u8,
     pub dlc: u8,
     pub data: Vec<u8>,

@@ -1,4 +1,4 @@
-//! The page for those who see, hear or move otherwise: the rules of axe-core, in every view, light and dark.
+//! Accessibility of the page: the rules of axe-core, in every view, light and dark.
 
 use crate::captures::machine;
 use crate::opened::Opened;
@@ -37,7 +37,7 @@ fn no_view_breaks_a_rule() {
     }
 }
 
-/// What a view shows once it was used.
+/// Brings a view into the state after its first use.
 fn prepare(browser: &Browser, view: &str) {
     match view {
         "trace" => {

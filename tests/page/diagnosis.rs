@@ -1,4 +1,4 @@
-//! What was wrong, as `canvass diagnose --format html` shows it.
+//! The diagnosis in the page equals that of `canvass diagnose --format html`.
 
 use crate::captures::machine;
 use crate::opened::Opened;
@@ -8,7 +8,7 @@ use canvass_webdriver::Screen;
 fn a_capture_is_diagnosed_without_a_request() {
     let opened = Opened::with(Screen::Desk, "machine.log", machine(20).on("can0"));
     opened.browser.wait("document.querySelector('#view-diagnosis iframe')");
-    // Whatever stands in the frame, it runs its own scripts and nothing else.
+    // The frame runs its own scripts and nothing else, whatever texts it contains.
     assert_eq!(opened.browser.text("return document.querySelector('iframe').sandbox.value"), "allow-scripts");
     opened.browser.within("#view-diagnosis iframe", |browser| {
         browser.wait("document.querySelectorAll('.plot canvas').length >= 2");

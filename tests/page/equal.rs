@@ -1,11 +1,11 @@
-//! The page gives the same bytes as the program, in the browser too.
+//! The page in a browser gives the same bytes as the program.
 
 use crate::opened::Opened;
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// What is asked of the program, and what the page calls the same.
+/// Formats of `canvass diagnose`, and the names of the files that the page saves in these formats.
 const DIAGNOSES: [(&str, &str); 5] = [
     ("html", "diagnosis.html"),
     ("json", "diagnosis.json"),
@@ -24,7 +24,7 @@ const EXPORTS: [&[&str]; 8] = [
     &["signals", "--format", "json"],
 ];
 
-/// What would be saved is kept instead, byte by byte.
+/// A script that keeps the bytes of a saved file instead of saving them.
 const KEEP: &str = "
     const blobs = new Map();
     const make = URL.createObjectURL;
@@ -41,7 +41,7 @@ fn samples() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("traces/samples")
 }
 
-/// What the program prints about a sample, a character for each byte.
+/// The output of the program about a sample, with one character for each byte.
 fn printed(args: &[&str], name: &str) -> String {
     let mut command = Command::new(env!("CARGO_BIN_EXE_canvass"));
     command.args(args).arg(name).current_dir(samples());
@@ -49,7 +49,7 @@ fn printed(args: &[&str], name: &str) -> String {
     ended.stdout.into_iter().map(char::from).collect()
 }
 
-/// A page that takes itself for this computer on that day.
+/// A page that believes it runs on this computer on a given day.
 fn here() -> Opened {
     let told: Value = serde_json::from_str(&printed(&["diagnose", "--format", "json"], "python-can.log")).unwrap();
     let host = &told["provenance"]["host"];

@@ -1,4 +1,4 @@
-//! Captures, descriptions and names that want to be more than text.
+//! Captures, descriptions and names with markup stay text.
 
 use crate::opened::Opened;
 use canvass_webdriver::Screen;

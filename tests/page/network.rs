@@ -1,4 +1,4 @@
-//! Nothing leaves the page, whoever tries; and without a network it works all the same.
+//! No script can send data out of the page, and the page works without a network.
 
 use crate::opened::Opened;
 use canvass_webdriver::{Browser, Screen};
@@ -9,7 +9,7 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// All that a script could try, each in a promise that says whether it was refused.
+/// All ways in which a script could reach the network, each in a promise that tells whether the browser refused it.
 const TRIES: &str = "
     const element = (name, attributes) => new Promise((resolve) => {
         const made = Object.assign(document.createElement(name), attributes);
@@ -53,9 +53,9 @@ const TRIES: &str = "
             return true;
         },
     };
-    // Trusted types refuse some before they are asked for.
+    // Trusted Types refuse some of these ways before a request is made.
     const refused = async (act) => { try { return await act(); } catch { return true; } };
-    // One that is neither refused nor answered is seen by who listens.
+    // A request that is neither refused nor answered would reach the listening server.
     const late = () => new Promise((resolve) => setTimeout(() => resolve(true), 3000));
     return Promise.all(Object.entries(tries).map(async ([name, act]) => [name, await Promise.race([refused(act), late()])]))
         .then((all) => all.filter(([, refused]) => !refused).map(([name]) => name).join());";
@@ -75,8 +75,8 @@ fn the_policy_refuses_every_request() {
     called(&server);
 }
 
-/// Nobody has asked for anything. Of a navigation that the policy refuses Chromium opens the connection in advance: such a
-/// one brings not a byte.
+/// Checks that no request has arrived. For a navigation that the policy refuses, Chromium opens a connection in
+/// advance; it may carry no bytes.
 fn called(server: &TcpListener) {
     loop {
         match server.accept() {
@@ -91,7 +91,7 @@ fn called(server: &TcpListener) {
     }
 }
 
-/// A server of the page's folder, until it is told to end.
+/// A server of the page's folder, until it is stopped.
 struct Server {
     address: String,
     ends: Arc<AtomicBool>,
@@ -142,7 +142,7 @@ fn serve(mut stream: TcpStream) {
         "HTTP/1.1 {status}\r\nContent-Type: {kind}\r\nContent-Length: {}\r\nConnection: close\r\n\r\n",
         body.len()
     );
-    // The browser may have gone.
+    // The browser may have closed the connection.
     let _ = stream.write_all(head.as_bytes()).and_then(|()| stream.write_all(&body));
 }
 

@@ -1,21 +1,21 @@
-//! The page with files in it.
+//! The page with opened files.
 
 use canvass_webdriver::{Browser, Screen, url};
 use std::path::{Path, PathBuf};
 
-/// The page, and a folder for the files that it is given.
+/// The page, and a folder for the files to open.
 pub struct Opened {
     pub browser: Browser,
     folder: tempfile::TempDir,
 }
 
 impl Opened {
-    /// The page as it is opened first.
+    /// The page before any file is opened.
     pub fn empty(screen: Screen) -> Self {
         Self::of(screen, |_| {})
     }
 
-    /// The same at a desk, once the browser was made ready for it.
+    /// The empty page on a desktop screen; `prepare` changes the browser first.
     pub fn prepared(prepare: impl FnOnce(&Browser)) -> Self {
         Self::of(Screen::Desk, prepare)
     }
@@ -28,7 +28,7 @@ impl Opened {
         Self { browser, folder: tempfile::tempdir().unwrap() }
     }
 
-    /// The page with a capture of that name and content.
+    /// The page with a capture of this name and content.
     pub fn with(screen: Screen, name: &str, content: impl AsRef<[u8]>) -> Self {
         let opened = Self::empty(screen);
         opened.take(&[opened.file(name, content)]);
@@ -36,14 +36,14 @@ impl Opened {
         opened
     }
 
-    /// A file of that name.
+    /// Writes a file of this name into the folder.
     pub fn file(&self, name: &str, content: impl AsRef<[u8]>) -> PathBuf {
         let path = self.folder.path().join(name);
         std::fs::write(&path, content).unwrap();
         path
     }
 
-    /// Gives the page files, as the file dialog would.
+    /// Opens files in the page, as the file dialog would.
     pub fn take(&self, files: &[PathBuf]) {
         let paths: Vec<_> = files.iter().map(|path| path.to_str().unwrap()).collect();
         self.browser.fill("#files", &paths.join("\n"));
@@ -54,7 +54,7 @@ impl Opened {
         self.browser.click(&format!("#tab-{id}"));
     }
 
-    /// The rows in sight, their cells parted by bars.
+    /// The visible rows, with bars between their cells.
     pub fn rows(&self) -> Vec<String> {
         self.browser.wait("document.querySelector('.list-body .row .text')?.textContent");
         let rows = self.browser.run(

@@ -1,11 +1,11 @@
-//! Captures that are chosen while others are read.
+//! Choosing captures while others are being read.
 
 use crate::captures::machine;
 use crate::opened::Opened;
 use canvass_webdriver::Screen;
 use std::slice::from_ref;
 
-/// How the format is chosen, as if by hand.
+/// A script that chooses the format, as a user would.
 const AS_CANDUMP: &str = "const format = document.getElementById('format'); \
      format.value = 'candump'; format.dispatchEvent(new Event('change'))";
 const IS_READING: &str = "!document.getElementById('progress').hidden";
@@ -25,11 +25,11 @@ fn what_was_chosen_last_is_read_to_its_end() {
     let of_small = status(&opened);
     opened.take(from_ref(&large));
     opened.browser.wait(IS_READING);
-    // Others.
+    // Another file is opened meanwhile.
     opened.take(from_ref(&small));
     opened.browser.wait(IS_READ);
     assert_eq!(status(&opened), of_small);
-    // The same in another way, again and again.
+    // The same file is read in another format, again and again.
     opened.take(from_ref(&large));
     for _ in 0..3 {
         opened.browser.wait(IS_READING);
@@ -37,7 +37,7 @@ fn what_was_chosen_last_is_read_to_its_end() {
     }
     opened.browser.wait(IS_READ);
     assert_ne!(status(&opened), of_small);
-    // None, and then others.
+    // Reading is cancelled, then another file is opened.
     opened.take(&[large, small.clone()]);
     opened.browser.wait(IS_READING);
     opened.browser.click("#progress button");
@@ -48,7 +48,7 @@ fn what_was_chosen_last_is_read_to_its_end() {
     opened.browser.is_quiet();
 }
 
-/// The worker that hashes is there a moment after the page: who is quicker has the hash all the same.
+/// The worker that hashes starts a moment after the page; a file chosen before that is hashed as well.
 #[test]
 fn a_capture_that_is_chosen_at_once_has_its_hash() {
     let opened = Opened::empty(Screen::Desk);

@@ -1,4 +1,4 @@
-//! All frames, with their meaning.
+//! The view of all frames with their meanings.
 
 use crate::captures::{faulty, machine};
 use crate::opened::Opened;
@@ -88,7 +88,7 @@ fn columns_are_chosen_and_the_address_keeps_them() {
     opened.browser.is_quiet();
 }
 
-/// The details take the lower part of a phone's screen, where the row may have been.
+/// The details cover the lower part of a phone's screen, where the row may have been.
 #[test]
 fn on_a_phone_the_chosen_row_stays_in_sight() {
     let opened = Opened::with(Screen::Phone, "machine.log", machine(20).on("can0"));
@@ -119,7 +119,7 @@ fn list_plots_and_timeline_point_at_the_same_time() {
     let time =
         browser.number("return Number(document.querySelector('.list .row[aria-selected=true] .time').textContent)");
     assert!((8.0..12.0).contains(&time), "the middle of 20 s: {time}");
-    // The list goes on from there, and the others follow.
+    // The list continues from this frame, and the other views follow.
     browser.fill("#jump", &format!("15{ENTER}"));
     browser.wait("Number(document.querySelector('.list .row[aria-selected=true] .time')?.textContent) >= 15");
     opened.view("diagnosis");

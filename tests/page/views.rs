@@ -1,4 +1,4 @@
-//! Signals, descriptions, results, trials and exports.
+//! The views of signals, descriptions, results, trials and exports.
 
 use crate::captures::machine;
 use crate::opened::Opened;
@@ -95,7 +95,7 @@ fn what_is_saved_is_what_the_program_prints() {
     opened.take(std::slice::from_ref(&sample));
     opened.browser.wait("/frames, /.test(document.getElementById('status').textContent)");
     opened.view("export");
-    // What would be saved is kept instead.
+    // The script keeps the bytes of a saved file instead of saving them.
     opened.browser.run(
         "window.saved = []; const make = URL.createObjectURL; \
          URL.createObjectURL = (blob) => { blob.text().then((text) => window.saved.push(text)); return make(blob); }; \

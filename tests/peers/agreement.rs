@@ -1,33 +1,34 @@
-//! Comparing what was exchanged, and what peers are known to get wrong.
+//! Compares exchanged frames, apart from the known defects of peers.
 
 use crate::kept::{Kept, kept};
 use crate::recording::{FRAMES, Seen, recording};
 use canvass_traces::Frame;
 use std::path::{Path, PathBuf};
 
-/// What a peer gets wrong. Such frames are not exchanged with it; that it still gets them wrong is asserted, so that
-/// the lists of defects stay true.
+/// A defect of a peer. Frames with a defect are not exchanged; a separate exchange asserts that the peer still gets
+/// them wrong, so that the lists of defects stay true.
 pub struct Defect {
-    /// What happens to the frames.
+    /// The effect of the defect on the frames.
     pub what: &'static str,
-    /// Which frames those are.
+    /// Whether the defect concerns a frame.
     pub concerns: fn(&Frame) -> bool,
 }
 
 /// A way of frames from canvass to a peer, or from a peer to canvass.
 pub struct Way<'a> {
-    /// For messages.
+    /// The name in error messages.
     pub name: &'a str,
-    /// What is not sent, since the peer could not hold it.
+    /// Changes of the frames before they are sent, since the peer could not hold the originals.
     pub before: &'a [Kept],
-    /// What can't arrive, since the format or the peer has no place for it.
+    /// Losses on the way, since the format or the peer has no place for the data.
     pub losses: &'a [Kept],
-    /// What the peer gets wrong.
+    /// The defects of the peer.
     pub defects: &'a [Defect],
 }
 
 impl Way<'_> {
-    /// Sends the recording on its way: `exchange` gives the lines of what arrives, or why nothing does.
+    /// Sends the recording to the peer and compares: `exchange` returns the lines of the frames that arrive, or the
+    /// reason why none do.
     ///
     /// `exchange` gets a path for the file, without extension, in a folder for this test alone.
     pub fn agrees(&self, exchange: impl Fn(&Path, &[Seen]) -> Result<Vec<String>, String>) {

@@ -1,5 +1,5 @@
-//! Canvass leaves devices as it found them: python-canopen reads all that can be read of simulated devices before and after
-//! runs, with their supply off and on in between.
+//! Canvass leaves devices as it found them: python-canopen reads all readable objects of simulated devices before and
+//! after runs, with a power cycle in between.
 
 use std::process::Command;
 

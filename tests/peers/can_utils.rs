@@ -1,4 +1,4 @@
-//! can-utils: `log2long`, which reads logs with the parser that `canplayer` and `cansend` have too, `log2asc`, `asc2log`.
+//! can-utils: `log2long`, whose parser of logs `canplayer` and `cansend` share, `log2asc` and `asc2log`.
 
 use crate::agreement::Way;
 use crate::kept::*;
@@ -8,7 +8,7 @@ use std::fs::File;
 use std::path::Path;
 use std::process::Command;
 
-/// A program that turns one format into another.
+/// Runs a program that converts one format into another.
 fn convert(program: &str, args: &[&str], from: &Path, to: &Path) {
     let mut command = Command::new(program);
     command.args(args).stdin(File::open(from).unwrap()).stdout(File::create(to).unwrap());
@@ -16,7 +16,7 @@ fn convert(program: &str, args: &[&str], from: &Path, to: &Path) {
     assert!(status.success(), "{program}: {status}");
 }
 
-/// Frames that the peer has read and written.
+/// The frames after the peer has read and written them.
 fn passed_on(program: &str, args: &[&str], [from, to]: [Format; 2], path: &Path, frames: &[Seen]) -> Vec<String> {
     let (input, output) = (path.with_extension("in"), path.with_extension("out"));
     recording::write(&input, from, ChunkCompression::None, frames);
@@ -35,7 +35,7 @@ fn log2long_reads_logs_and_writes_what_candump_shows() {
 fn log2asc_reads_logs_and_writes_asc() {
     let formats = [Format::Candump, Format::Asc];
     let losses: &[Kept] = &[numbered, no_error_detail, received_or_sent, no_direction_of_errors];
-    // It knows six digits of a second.
+    // log2asc knows six digits of a second.
     Way { name: "log2asc", before: &[micros], losses, defects: &[] }
         .agrees(|path, frames| Ok(passed_on("log2asc", &["can0", "can1", "can2"], formats, path, frames)));
 }
@@ -48,8 +48,8 @@ fn asc2log_reads_asc_and_writes_logs() {
         .agrees(|path, frames| Ok(from_start(&passed_on("asc2log", &[], formats, path, frames))));
 }
 
-/// asc2log knows dates only where the locale en_US is installed, and otherwise counts from the present: the times
-/// since its first frame are compared.
+/// asc2log knows dates only if the locale en_US is installed, and otherwise counts from the present. So times are
+/// compared relative to the first frame.
 fn from_start(lines: &[String]) -> Vec<String> {
     let split: Vec<(u64, &str)> = lines
         .iter()

@@ -1,5 +1,5 @@
-//! cantools reads the CAN databases that canvass makes of descriptions, and gets the values out of frames that
-//! `canvass signals` gets.
+//! cantools reads the CAN databases that canvass makes of descriptions, and decodes frames to the same values as
+//! `canvass signals`.
 
 use serde_json::Value;
 use std::fmt::Write as _;
@@ -13,7 +13,7 @@ const NODE: u8 = 42;
 /// Number of frames of each PDO.
 const FRAMES: usize = 200;
 
-/// Gives bytes, always the same.
+/// Random bytes that are the same in every run.
 struct Random(u64);
 
 impl Random {
@@ -29,7 +29,7 @@ fn canvass(args: &[&str]) -> Vec<u8> {
     output.stdout
 }
 
-/// What cantools says of frames, one object for each.
+/// The frames as cantools decodes them, one object for each.
 fn decoded(dbc: &Path, frames: &[String]) -> Vec<Value> {
     let piped = Command::new(PYTHON).arg(SCRIPT).arg(dbc).stdin(Stdio::piped()).stdout(Stdio::piped()).spawn();
     let mut child = piped
@@ -57,7 +57,7 @@ fn messages(dbc: &Path) -> Vec<(u32, usize)> {
     lines.map(|line| message(line).unwrap()).collect()
 }
 
-/// Compares the values of random frames; says of how many.
+/// Compares the values of random frames; returns the number of compared values.
 fn agree(description: &Path) -> usize {
     let folder = tempfile::tempdir().unwrap();
     let (dbc, log) = (folder.path().join("node.dbc"), folder.path().join("frames.log"));
@@ -85,7 +85,7 @@ fn agree(description: &Path) -> usize {
     rows.iter().zip(&theirs).map(|(row, message)| compare(row, message)).sum()
 }
 
-/// Compares one frame; says of how many values.
+/// Compares one frame; returns the number of compared values.
 fn compare(row: &Value, message: &Value) -> usize {
     let (name, pdo) = (message["name"].as_str().unwrap(), row["pdo"].as_str().unwrap());
     assert!(name.ends_with(&pdo.replace(' ', "")), "{name} is not {pdo}");

@@ -1,6 +1,6 @@
 "use strict";
-// Starts the extension as Visual Studio Code does, with a stand-in for the editor, the real library for language clients
-// and the real server. The variable CANVASS names the program, the argument the extension's folder.
+// Starts the extension as Visual Studio Code does, with a stand-in for the editor, the real library for language
+// clients and the real server. The variable CANVASS names the program, the argument the extension's folder.
 
 const assert = require("node:assert");
 const Module = require("node:module");
@@ -15,7 +15,7 @@ const api = editor.api();
 const load = Module._load;
 Module._load = (name, ...rest) => (name === "vscode" ? api : load(name, ...rest));
 
-/// The findings of the file, when they are published next.
+/// The next published findings of the file.
 function published() {
   return new Promise((resolve) => {
     const subscription = editor.published.event(() => {

@@ -1,5 +1,5 @@
-//! The extension for Visual Studio Code, started in Node with the library for language clients that it is made with: it
-//! starts this program and gets its findings.
+//! The extension for Visual Studio Code, run in Node with its real library for language clients: it starts this program
+//! and receives its findings.
 
 use std::path::Path;
 use std::process::Command;

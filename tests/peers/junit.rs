@@ -1,4 +1,5 @@
-//! xmllint holds the JUnit documents of all commands against what the schemas of Ant and Jenkins both allow.
+//! xmllint validates the JUnit documents of all commands against a schema that allows only what the schemas of Ant and
+//! Jenkins both allow.
 
 use std::path::Path;
 use std::process::Command;
@@ -7,7 +8,7 @@ const SCHEMA: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/peers/junit.xsd
 /// A name that would end a tag, an attribute, a comment or a document.
 const HOSTILE: &str = "]]></testcase>\"'<!--&amp;\u{1b}[2J\u{fffe}";
 
-/// Runs the program, whatever it thinks of what it is given, as long as it comes to a verdict; gives what it prints.
+/// Runs the program, which must reach a verdict, good or bad; returns its output.
 fn judged(args: &[&str]) -> Vec<u8> {
     let output = Command::new(env!("CARGO_BIN_EXE_canvass")).args(args).output().unwrap();
     let good = matches!(output.status.code(), Some(0 | 1));
@@ -15,7 +16,7 @@ fn judged(args: &[&str]) -> Vec<u8> {
     output.stdout
 }
 
-/// What xmllint has against a document; nothing where it is valid.
+/// The errors that xmllint finds in a document; empty if the document is valid.
 fn wrong(document: &Path) -> String {
     let output = Command::new("xmllint").args(["--noout", "--nonet", "--schema", SCHEMA]).arg(document).output();
     let output = output.unwrap_or_else(|error| panic!("xmllint: {error}; cargo xtask ci installs it"));
@@ -24,7 +25,7 @@ fn wrong(document: &Path) -> String {
     if output.status.success() { String::new() } else { said }
 }
 
-/// A document of each command that writes some, with cases that pass, fail and are left out.
+/// A document of each command that writes JUnit, with cases that pass, fail and are left out.
 fn documents(folder: &Path) -> Vec<String> {
     let path = |name: &str| folder.join(name).display().to_string();
     let junit = |name: &str| format!("junit={}", path(name));
@@ -67,7 +68,7 @@ fn every_document_is_valid_for_ant_and_jenkins() {
     );
 }
 
-/// A check that finds nothing wrong must be able to.
+/// The schema refuses an invalid document.
 #[test]
 fn what_is_not_valid_is_found() {
     let folder = tempfile::tempdir().unwrap();

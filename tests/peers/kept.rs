@@ -1,34 +1,34 @@
-//! What formats and peers can't hold, as functions on frames.
+//! Losses of formats and peers, as functions on frames.
 
 use crate::recording::Seen;
 use canvass_traces::{Direction, ErrorClass, Flags, Frame, Record, Timestamp};
 
-/// What becomes of a frame on its way.
+/// The change of a frame by one loss.
 pub type Kept = fn(Seen) -> Seen;
 
-/// What becomes of a frame that loses several things.
+/// The frame after several losses.
 pub fn kept(seen: &Seen, losses: &[Kept]) -> Seen {
     losses.iter().fold(seen.clone(), |seen, loss| loss(seen))
 }
 
-/// Times end with the microseconds.
+/// Keeps times to the microsecond.
 pub fn micros(mut seen: Seen) -> Seen {
     seen.record.timestamp = Timestamp(seen.record.timestamp.nanos() / 1_000 * 1_000);
     seen
 }
 
-/// `can0` is 1.
+/// Replaces names of channels by numbers: `can0` becomes 1.
 pub fn numbered(seen: Seen) -> Seen {
     let number: u16 = seen.channel.trim_start_matches("can").parse().unwrap();
     Seen { channel: (number + 1).to_string(), ..seen }
 }
 
-/// All channels are one.
+/// Puts all frames on one channel.
 pub fn one_channel(seen: Seen) -> Seen {
     Seen { channel: "can0".into(), ..seen }
 }
 
-/// All channels are one that is called 1.
+/// Puts all frames on one channel with the name 1.
 pub fn channel_1(seen: Seen) -> Seen {
     Seen { channel: "1".into(), ..seen }
 }
@@ -37,28 +37,28 @@ fn with_direction(seen: Seen, direction: Direction) -> Seen {
     Seen { record: seen.record.with_direction(direction), ..seen }
 }
 
-/// No direction is reported.
+/// Removes directions.
 pub fn no_direction(seen: Seen) -> Seen {
     with_direction(seen, Direction::Unknown)
 }
 
-/// What was not sent was received.
+/// Takes frames with unknown direction for received.
 pub fn received_or_sent(seen: Seen) -> Seen {
     let direction = if seen.record.direction == Direction::Tx { Direction::Tx } else { Direction::Rx };
     with_direction(seen, direction)
 }
 
-/// Everything counts as received.
+/// Takes all frames for received.
 pub fn received(seen: Seen) -> Seen {
     with_direction(seen, Direction::Rx)
 }
 
-/// Error frames have no direction.
+/// Removes the directions of error frames.
 pub fn no_direction_of_errors(seen: Seen) -> Seen {
     if seen.record.frame.is_error() { no_direction(seen) } else { seen }
 }
 
-/// Error frames count as received.
+/// Takes error frames for received.
 pub fn received_errors(seen: Seen) -> Seen {
     if seen.record.frame.is_error() { received(seen) } else { seen }
 }
@@ -82,7 +82,7 @@ pub fn zeros_of_errors(seen: Seen) -> Seen {
     with_error(seen, &[0; 8])
 }
 
-/// CAN FD frames have no BRS and ESI.
+/// Removes BRS and ESI from CAN FD frames.
 pub fn no_fd_flags(seen: Seen) -> Seen {
     let Record { timestamp, channel, ref frame, .. } = seen.record;
     if !frame.is_fd() {
@@ -92,7 +92,7 @@ pub fn no_fd_flags(seen: Seen) -> Seen {
     seen.with_record(record)
 }
 
-/// CAN FD frames of up to 8 bytes are classical ones.
+/// Turns CAN FD frames of up to 8 bytes into classical frames.
 pub fn no_short_fd(seen: Seen) -> Seen {
     let Record { timestamp, channel, ref frame, .. } = seen.record;
     if !frame.is_fd() || frame.len() > 8 {

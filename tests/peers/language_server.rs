@@ -1,4 +1,4 @@
-//! pytest-lsp, a client of language servers, has sessions with `canvass lsp` as several editors have them.
+//! pytest-lsp, a client of language servers, has sessions with `canvass lsp` in the manner of several editors.
 
 use std::process::Command;
 
@@ -18,6 +18,6 @@ fn a_foreign_client_has_sessions_as_editors_have_them() {
         .unwrap_or_else(|error| panic!("{PYTHON}: {error}; cargo xtask ci installs the peers that these tests need"));
     let told = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(output.status.success(), "{told}{}", String::from_utf8_lossy(&output.stderr));
-    // Four tests, each as four editors.
+    // Each of four tests runs with the capabilities of four editors.
     assert!(told.contains("16 passed"), "{told}");
 }

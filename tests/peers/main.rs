@@ -1,8 +1,9 @@
-//! The peers agree: files that canvass writes are read by other people's programs with equal frames and times, and
-//! files that they write are read by canvass; clients of language servers have sessions with it.
+//! The peers agree: other people's programs read the files of canvass with equal frames and times, and canvass reads
+//! their files; clients of language servers have sessions with canvass.
 //!
-//! `cargo xtask ci` installs the peers (tshark, can-utils, xmllint, a Python environment with what `requirements.txt` names, Node
-//! with what the extension of Visual Studio Code needs) and runs these tests, which are behind the feature `peers`.
+//! `cargo xtask ci` installs the peers (tshark, can-utils, xmllint, a Python environment with the packages of
+//! `requirements.txt`, Node with the packages of the extension for Visual Studio Code) and runs these tests, which are
+//! behind the feature `peers`.
 
 #[cfg(test)]
 mod agreement;

@@ -11,7 +11,7 @@ use std::process::{Command, Stdio};
 pub const PYTHON: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/target/peers-venv/bin/python");
 const SCRIPT: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/peers/peers.py");
 
-/// Runs `peers.py`; gives its lines, or its last words.
+/// Runs `peers.py`; returns the lines of its output, or its error messages.
 fn python(way: &str, name: &str, path: &Path, frames: &[Seen]) -> Result<Vec<String>, String> {
     let mut command = Command::new(PYTHON);
     // ASC and TRC hold local times.
@@ -29,7 +29,7 @@ fn python(way: &str, name: &str, path: &Path, frames: &[Seen]) -> Result<Vec<Str
     Ok(String::from_utf8(output.stdout).unwrap().lines().map(str::to_owned).collect())
 }
 
-/// python-can reckons times in floating point, which holds no nanoseconds of our days.
+/// python-can computes times in floating point, which can't hold nanoseconds of present dates.
 const FLOAT: &[Kept] = &[micros];
 
 /// python-can reads what canvass writes.
@@ -52,7 +52,7 @@ fn writes(writer: &str, format: Format, losses: &[Kept], defects: &[Defect]) {
     });
 }
 
-/// The line with the microsecond that the floating point number was made of.
+/// The line with its time rounded to the microsecond from which the floating-point number was made.
 fn rounded(line: &str) -> String {
     let (nanos, rest) = line.split_once(' ').unwrap();
     let micros = (nanos.parse::<u64>().unwrap() + 500) / 1_000;
@@ -141,7 +141,7 @@ fn python_can_writes_blf() {
     writes("blf", Format::Blf, &[numbered, received_or_sent, no_direction_of_errors], &[]);
 }
 
-/// can_msgs/Frame and FdFrame have no place for these.
+/// can_msgs/Frame and FdFrame have no place for directions and CAN FD flags.
 const MCAP: &[Kept] = &[no_direction, no_fd_flags];
 
 fn reads_mcap(reader: &str) {

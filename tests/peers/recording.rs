@@ -10,19 +10,19 @@ use std::path::Path;
 
 pub const FRAMES: usize = 6_000;
 
-/// 2023-11-14 12:00 UTC. TRC and ASC begin with a date in days or milliseconds, and python-can reckons it in floating
+/// 2023-11-14 12:00 UTC. TRC and ASC begin with a date in days or milliseconds, which python-can computes in floating
 /// point: half a day is exact everywhere.
 pub const START: u64 = 1_699_963_200_000_000_000;
 
-/// A frame as it was seen, with its channel's name.
+/// A received frame with the name of its channel.
 #[derive(Clone, Debug)]
 pub struct Seen {
     pub channel: String,
     pub record: Record,
 }
 
-/// `NANOSECONDS CHANNEL FRAME[ Rx| Tx]`, FRAME in candump's notation: how frames are compared, and given to the peers
-/// that are Python libraries.
+/// `NANOSECONDS CHANNEL FRAME[ Rx| Tx]`, FRAME in candump's notation: the form in which frames are compared, and passed
+/// to the peers that are Python libraries.
 impl fmt::Display for Seen {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Record { timestamp, direction, .. } = self.record;
@@ -31,14 +31,14 @@ impl fmt::Display for Seen {
     }
 }
 
-/// Always the same: standard, extended, remote, error and CAN FD frames of all lengths, directions known and not, on
-/// three channels, with times of a nanosecond.
+/// A recording that never changes: standard, extended, remote, error and CAN FD frames of all lengths, directions known
+/// and not, on three channels, with times of a nanosecond.
 pub fn recording() -> Vec<Seen> {
     let mut random = Random(0x2545_F491_4F6C_DD1D);
     let mut nanos = START;
     (0..FRAMES)
         .map(|n| {
-            // The channels appear in this order, so that those who number them agree.
+            // The channels appear in this order, so that all programs which number them agree.
             let channel = ["can0", "can1", "can2"][if n < 3 { n } else { random.below(3) as usize }];
             let direction = [Direction::Unknown, Direction::Rx, Direction::Tx][random.below(3) as usize];
             let mut record = parse_frame(&frame(&mut random)).unwrap().with_direction(direction);
@@ -68,7 +68,7 @@ fn frame(random: &mut Random) -> String {
     }
 }
 
-/// Xorshift: the same numbers everywhere.
+/// Random numbers that are the same on all machines (xorshift).
 struct Random(u64);
 
 impl Random {
@@ -94,7 +94,7 @@ pub fn write(path: &Path, format: Format, chunk_compression: ChunkCompression, f
     recording.finish().unwrap();
 }
 
-/// All frames of a capture, whose format is to be recognised; nothing in it may be damaged.
+/// All frames of a capture, whose format must be recognised and which must be undamaged.
 pub fn read(path: &Path, format: Format) -> Result<Vec<String>, String> {
     let mut capture = Capture::open(path, &ReadOptions::default()).map_err(|error| error.to_string())?;
     assert_eq!(capture.format(), format);
@@ -108,7 +108,7 @@ pub fn read(path: &Path, format: Format) -> Result<Vec<String>, String> {
 }
 
 impl Seen {
-    /// Another frame, seen as this one was.
+    /// The same data with another record.
     pub fn with_record(self, record: Record) -> Self {
         let Record { timestamp, direction, .. } = self.record;
         let mut record = record.with_direction(direction);

@@ -1,5 +1,5 @@
-//! tshark dissects the same traffic: both must name the same service for every frame, except where tshark, which keeps
-//! no state, is known to see less. `docs/wireshark.md` explains each of these differences to users.
+//! tshark dissects the same traffic: both must name the same service for every frame, except where tshark is known to
+//! see less because it keeps no state. `docs/wireshark.md` explains each of these differences to users.
 
 use canvass_analyzer::network::Network;
 use canvass_analyzer::{Message, Service};
@@ -10,7 +10,7 @@ use std::process::Command;
 
 const FRAMES: usize = 100_000;
 
-/// A known difference: how the page names it, and which frames it covers.
+/// A known difference: its heading in the page, and the frames that it covers.
 struct Difference {
     title: &'static str,
     covers: fn(&Record, Service, &Message, &str) -> bool,
@@ -100,7 +100,7 @@ fn write(records: &[Record], path: &Path) {
     writer.finish().unwrap();
 }
 
-/// The service that tshark names, by the names that canvass has for them.
+/// The services that tshark names, translated to the names of canvass.
 fn dissected(path: &Path) -> Vec<String> {
     let output = Command::new("tshark")
         .args(["-n", "-d", "can.subdissector,canopen", "--disable-protocol", "autosar-nm", "-r"])
@@ -133,7 +133,7 @@ fn service(line: &str) -> &'static str {
     }
 }
 
-/// A bus on which everything happens that CANopen has, again and again.
+/// A bus with all kinds of CANopen traffic, again and again.
 fn traffic() -> Vec<Record> {
     let mut random = Random(0x9E37_79B9_7F4A_7C15);
     let mut frames: Vec<Frame> = opening();
@@ -167,11 +167,11 @@ fn traffic() -> Vec<Record> {
     frames.iter().enumerate().map(|(n, frame)| Record::new(at(n), ChannelId(0), *frame)).collect()
 }
 
-/// What needs its order: COB-IDs that move, guarding, safety pairs, short frames.
+/// Frames whose order matters: COB-IDs that move, guarding, safety pairs, short frames.
 fn opening() -> Vec<Frame> {
     let remote = |id| Frame::remote(CanId::standard_masked(id), 0).unwrap();
     let mut frames = vec![
-        // Node 90 is guarded.
+        // A master guards node 90.
         remote(0x75A),
         data(0x75A, &[0x85]),
         remote(0x75A),
@@ -187,7 +187,7 @@ fn opening() -> Vec<Frame> {
     for value in [0x01, 0x02] {
         frames.extend([data(0x103, &[value; 8]), data(0x104, &[!value; 8])]);
     }
-    // Node 10's first TPDO moves to 10Ah, node 65 has a second SDO server on 241h and 1C1h.
+    // Node 10's first TPDO moves to 10Ah; node 65 has a second SDO server on 241h and 1C1h.
     frames.extend(write_of(10, 0x1800, 1, 0x8000_018A));
     frames.extend(write_of(10, 0x1800, 1, 0x0000_010A));
     frames.push(data(0x10A, &[1, 2, 3, 4, 5, 6, 7, 8]));
@@ -198,7 +198,7 @@ fn opening() -> Vec<Frame> {
     // LMT inquires the manufacturer's name.
     frames.push(data(0x7E5, &[0x24, 0, 0, 0, 0, 0, 0, 0]));
     frames.push(data(0x7E4, &[0x24, b'T', b'R', b'-', b'E', b'L', b'E', b'C']));
-    // Back to LSS: a message that only LSS has.
+    // A message that only LSS has switches back to LSS.
     frames.push(data(0x7E5, &[0x5A, 0, 0, 0, 0, 0, 0, 0]));
     frames.push(data(0x600 + 7, &[0x40, 0]));
     frames
@@ -224,7 +224,7 @@ fn write_of(node: u32, index: u16, sub: u8, value: u32) -> [Frame; 2] {
     [data(0x600 + node, &[0x23, low, high, sub, a, b, c, d]), data(0x580 + node, &[0x60, low, high, sub, 0, 0, 0, 0])]
 }
 
-/// xorshift64: repeatable.
+/// Random numbers that are the same in every run (xorshift64).
 struct Random(u64);
 
 impl Random {

@@ -30,7 +30,7 @@ const FIELDS: [&str; 12] = [
     "data.data",
 ];
 
-/// The class bits of an error frame, each a field of its own.
+/// The class bits of an error frame, each with its own field in tshark.
 const CLASSES: [&str; 9] = [
     "can.err.tx_timeout",
     "can.err.lostarb",
@@ -43,7 +43,7 @@ const CLASSES: [&str; 9] = [
     "can.err.restarted",
 ];
 
-/// What tshark sees in a capture, in the lines of [`Seen`].
+/// The frames of a capture as tshark dissects them, in the lines of [`Seen`].
 fn dissected(path: &Path) -> Vec<String> {
     let mut args = vec!["--disable-protocol", "autosar-nm", "-T", "fields", "-E", "separator=|"];
     args.extend(FIELDS.iter().chain(&CLASSES).flat_map(|field| ["-e", field]));
@@ -51,7 +51,7 @@ fn dissected(path: &Path) -> Vec<String> {
     tshark(path, &args).lines().map(|row| line(row, &mut errors)).collect()
 }
 
-/// The bytes of all error frames, in hex: tshark dissects only those of them that the class gives a meaning.
+/// The bytes of all error frames, in hexadecimal: tshark dissects only the bytes to which the class gives a meaning.
 fn error_bytes(path: &Path) -> Vec<String> {
     let packets = tshark(path, &["-Y", "can.flags.err == 1", "-T", "jsonraw", "-J", "frame", "-x"]);
     let packets: Vec<serde_json::Value> = serde_json::from_str(&packets).unwrap();
@@ -112,7 +112,7 @@ fn tshark_reads_pcapng() {
     reads(Format::Pcapng, &[]);
 }
 
-/// tshark writes the packets again, in a file of its own.
+/// tshark rewrites a pcapng file in another format.
 fn writes(kind: &str, format: Format, before: &[Kept], losses: &[Kept]) {
     let name = format!("tshark writes {kind}");
     Way { name: &name, before, losses, defects: &[] }.agrees(|path: &Path, frames: &[Seen]| {
@@ -123,7 +123,7 @@ fn writes(kind: &str, format: Format, before: &[Kept], losses: &[Kept]) {
     });
 }
 
-/// Other formats than pcapng have one channel.
+/// As [`writes`], for formats with one channel only.
 fn one_channel_writes(kind: &str, format: Format, before: &[Kept]) {
     writes(kind, format, before, &[no_direction]);
 }

@@ -1,6 +1,6 @@
 "use strict";
-// As much of Visual Studio Code's API as the extension and its library for language clients use: what the editor would
-// tell them, and what they tell the editor. Places and ranges are plain, files are texts in memory.
+// The part of Visual Studio Code's API that the extension and its library for language clients use: the calls of the
+// editor to them, and their calls to the editor. Positions and ranges are plain objects, files are texts in memory.
 
 class Disposable {
   constructor(dispose) {
@@ -100,7 +100,7 @@ class Kind {
 }
 const kinds = Object.assign(Kind, { Empty: new Kind(""), QuickFix: new Kind("quickfix") });
 
-// Classes that the library derives its own from or tells apart, and whose content is not looked at here.
+// Classes from which the library derives its own or which it distinguishes; their content does not matter here.
 const plain = (name) => ({ [name]: class { constructor(...values) { this.values = values; } } })[name];
 const PLAIN = [
   "CallHierarchyItem", "CodeAction", "CodeLens", "Color", "CompletionItem", "CompletionList", "DocumentLink",
@@ -108,16 +108,16 @@ const PLAIN = [
   "TabInputTextDiff", "TypeHierarchyItem", "WorkspaceEdit", "SnippetString",
 ];
 
-/// What an editor knows of itself: files that are open, findings, what the extension offers.
+/// The state of the editor: open files, findings, and the features that the extension offers.
 class Editor {
   opened = new EventEmitter();
   changed = new EventEmitter();
   closed = new EventEmitter();
   documents = [];
-  /// Findings by the file's address.
+  /// Findings by the file's URI.
   findings = new Map();
   published = new EventEmitter();
-  /// What was registered, by what it is for: `Hover`, `DocumentFormattingEdit`.
+  /// Registered providers by feature: `Hover`, `DocumentFormattingEdit`.
   providers = new Map();
   settings = {};
   messages = [];
@@ -136,7 +136,7 @@ class Editor {
     this.closed.fire(document);
   }
 
-  /// The API as `require("vscode")` gives it.
+  /// The API that `require("vscode")` returns.
   api() {
     const never = new EventEmitter().event;
     const register = (name) => (selector, provider) => {

@@ -1,8 +1,8 @@
-//! ZIP archives of stored files, written and read apart from the program's own code.
+//! ZIP archives of stored files, written and read independently of the program's own code.
 
 use sha2::{Digest, Sha256};
 
-/// In hexadecimal.
+/// The SHA-256 of the content in hexadecimal.
 pub fn sha256(content: &[u8]) -> String {
     Sha256::digest(content).iter().map(|byte| format!("{byte:02x}")).collect()
 }

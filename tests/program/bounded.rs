@@ -1,11 +1,11 @@
-//! Every command that asks a device comes to its end in time, whatever the device does.
+//! Every command that sends requests to a device ends in time, whatever the device does.
 
 use crate::rogues::Rogue;
 use crate::running::{Run, command, finished};
 use std::process::Stdio;
 use std::time::{Duration, Instant};
 
-/// Runs a command on a rogue; gives how long it took, too.
+/// Runs a command on a rogue adapter; also returns the duration of the run.
 fn on(rogue: Rogue, args: &[&str]) -> (Run, Duration) {
     let bus = format!("slcan:tcp://{}", rogue.start().unwrap());
     let begun = Instant::now();
@@ -14,7 +14,7 @@ fn on(rogue: Rogue, args: &[&str]) -> (Run, Duration) {
     (finished(child.wait_with_output().unwrap()), begun.elapsed())
 }
 
-/// The time of the run, that of opening the adapter, and that of putting the device back.
+/// The time limit of each phase: the run, opening the adapter, and restoring the device.
 const SPAN: &str = "4s";
 const MOST: Duration = Duration::from_secs(20);
 

@@ -1,4 +1,4 @@
-//! A run as one file: no byte of it can be changed unseen, and its verdicts follow from its recording.
+//! A run as one file: every changed byte is detected, and the verdicts follow from the recording.
 
 use crate::archive;
 use crate::live::Device;
@@ -47,7 +47,7 @@ fn all_verdicts_of_a_bundle_follow_from_its_recording() {
     }
 }
 
-/// In real time the tester's clock goes its own way between the frames; it is in the transcript.
+/// In real time the tester's clock is independent of the frames; the transcript holds its values.
 #[test]
 fn a_run_on_a_live_bus_is_judged_again_without_it() {
     let folder = tempfile::tempdir().unwrap();
@@ -55,13 +55,13 @@ fn a_run_on_a_live_bus_is_judged_again_without_it() {
     let select = ["--node", "10", "--device", "reference-301", "--select", "301/boot-up/reset-node,301/identity"];
     let (path, status) = bundled(folder.path(), &[&[device.bus.as_str(), "--journal", "none"], &select[..]].concat());
     assert_eq!(status, 1);
-    // The device is gone.
+    // The device is not available for the verification.
     drop(device);
     let verified = run(&["verify", &path, "--format", "json"]);
     assert_eq!(verified.status, 0, "{}{}", verified.stdout, verified.stderr);
     let report: Value = serde_json::from_str(&verified.stdout).unwrap();
     assert!(report["cases"].as_u64().is_some_and(|cases| cases >= 5), "{report}");
-    // It can't have been made without a clock: what the transcript says of the time is needed.
+    // The verification needs the times of the transcript: without them it fails.
     let mut files = unzipped(&path);
     let transcript = String::from_utf8(files[4].1.clone()).unwrap();
     assert!(transcript.contains("live yes") && transcript.contains("\ntime "), "{transcript}");
@@ -108,7 +108,7 @@ fn one_changed_byte_is_refused_naming_its_file() {
         std::fs::write(&path, &other).unwrap();
         let refused = run(&["verify", &path]);
         assert_eq!(refused.status, 1, "{name}: {}", refused.stderr);
-        // Of a changed manifest it can't be said which of the two was changed.
+        // If the manifest was changed, the program can't tell whether the manifest or the file was.
         assert!(
             refused.stderr.contains("changed") || refused.stderr.contains("manifest"),
             "{name}: {}",
@@ -116,7 +116,7 @@ fn one_changed_byte_is_refused_naming_its_file() {
         );
         assert!(name == "manifest.json" || refused.stderr.contains(name), "{name}: {}", refused.stderr);
     }
-    // Any byte at all: every 997th, and each of the directory.
+    // Bytes all over the archive, and several of the directory.
     let directory = whole.len() - 600..whole.len();
     for at in (0..whole.len()).step_by(whole.len() / 40).chain(directory.step_by(37)) {
         let mut other = whole.clone();
@@ -130,7 +130,7 @@ fn one_changed_byte_is_refused_naming_its_file() {
     assert_eq!(run(&["verify", "/no/such.zip"]).status, 2);
 }
 
-/// Whoever changes a verdict can make the hashes fit. What was on the bus says otherwise.
+/// A forger of a verdict can make the hashes fit, but the verdict contradicts the recording.
 #[test]
 fn a_forged_verdict_does_not_follow_from_the_recording() {
     let folder = tempfile::tempdir().unwrap();
@@ -147,7 +147,7 @@ fn a_forged_verdict_does_not_follow_from_the_recording() {
     let report: Value = serde_json::from_str(&verified.stdout).unwrap();
     assert_eq!((&report["unchanged"], &report["divergence"]), (&true.into(), &Value::Null));
     assert_eq!(report["differences"], json!([{ "case": case, "result": "pass", "recording": "fail" }]));
-    // Nor does one of which the cause was cut out of the recording.
+    // A verdict also contradicts a recording from which its cause was cut.
     let transcript = String::from_utf8(files[4].1.clone()).unwrap();
     files[4].1 = transcript.replace("bit-rate 250000", "bit-rate 250000\nbegin 5").into_bytes();
     let half = files[3].1.len() / 2;
@@ -156,7 +156,7 @@ fn a_forged_verdict_does_not_follow_from_the_recording() {
     assert_ne!(run(&["verify", &path]).status, 0);
 }
 
-/// Packs the files with a manifest that fits.
+/// Packs the files with a manifest that matches them.
 fn forge(path: &str, files: &mut [(String, Vec<u8>)]) {
     let mut manifest: Value = serde_json::from_slice(&files[0].1).unwrap();
     for (row, (_, content)) in manifest["files"].as_array_mut().unwrap().iter_mut().zip(&files[1..]) {

@@ -1,4 +1,4 @@
-//! The recipes of docs/ci.md: what stands there works.
+//! The recipes of docs/ci.md work.
 
 use crate::running::run;
 use std::path::Path;
@@ -6,7 +6,7 @@ use std::process::Command;
 
 const PAGE: &str = include_str!("../../docs/ci.md");
 
-/// A node that starts, is started, and sends heartbeats.
+/// A node that boots, is started, and sends heartbeats.
 const GOOD: &str = "\
 (1.000000) can0 705#00
 (1.100000) can0 000#0105
@@ -15,10 +15,10 @@ const GOOD: &str = "\
 (1.400000) can0 705#05
 ";
 
-/// A further line, with which the node reports an error.
+/// A line in which the node reports an error.
 const BAD: &str = "(1.500000) can0 085#1042090000000000\n";
 
-/// The commands in the code of the page that judge captures, with the lines that they go on in.
+/// The commands in the code of the page that judge captures, with their continuation lines.
 fn commands() -> Vec<String> {
     all_commands().into_iter().filter(|command| command.starts_with("canvass diagnose ")).collect()
 }
@@ -30,7 +30,7 @@ fn all_commands() -> Vec<String> {
     bare.filter(|line| line.starts_with("canvass ")).map(str::to_owned).collect()
 }
 
-/// What a shell gives of a command, in a folder with that capture.
+/// The exit status of a command in a shell, in a folder with this capture.
 fn status(command: &str, capture: &str) -> Option<i32> {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("bench.log"), capture).unwrap();
@@ -58,7 +58,7 @@ fn every_command_of_the_recipes_works() {
     }
 }
 
-/// The commands of one recipe, one after the other: findings end the job, and only they.
+/// The commands of one recipe, one after the other: the job fails for findings and for nothing else.
 #[test]
 fn each_recipe_fails_for_findings() {
     for name in ["GitHub Actions", "GitLab"] {
@@ -70,7 +70,7 @@ fn each_recipe_fails_for_findings() {
     }
 }
 
-/// The commands that the text and the code name.
+/// The program knows the commands and options in the text and the code of the page.
 #[test]
 fn what_the_page_names_is_known() {
     let text = PAGE.split('`').filter(|text| text.starts_with("canvass ") && !text.contains('\n'));
@@ -89,7 +89,8 @@ fn script() -> &'static str {
     PAGE.split("```sh\n").nth(1).unwrap().split("```").next().unwrap()
 }
 
-/// A repository with the script, in which `canvass` is the program; `test` is run with these arguments before its own.
+/// A repository with the script, in which `canvass` runs the program; `of_test` is inserted before the arguments of
+/// `test`.
 struct Repository(tempfile::TempDir);
 
 impl Repository {
@@ -141,7 +142,8 @@ const REPORTS: [&str; 9] = [
     "fuzz.html",
 ];
 
-/// The first release has none before it; the same again is good, a worse one is not, and has all its reports.
+/// The first release has no earlier one to compare with. The same firmware passes again; a worse one fails, and all its
+/// reports are written.
 #[test]
 fn the_script_of_the_pipelines_holds_up_a_bad_release() {
     let repository = Repository::new("--select 301/boot-up,301/identity");
@@ -155,7 +157,7 @@ fn the_script_of_the_pipelines_holds_up_a_bad_release() {
     repository.has(&REPORTS);
 }
 
-/// A firmware in the loop: started by the script, and waited for until it answers.
+/// A firmware in the loop: the script starts it, and waits until it answers.
 #[test]
 fn the_script_starts_the_firmware() {
     let address = std::net::TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
@@ -169,7 +171,7 @@ fn the_script_starts_the_firmware() {
     repository.has(&REPORTS);
 }
 
-/// The three pipelines run that script, and keep what it writes.
+/// The three pipelines run the script, and keep its outputs.
 #[test]
 fn the_pipelines_run_the_script() {
     for (name, language) in [("GitHub", "yaml"), ("GitLab", "yaml"), ("Jenkins", "groovy")] {

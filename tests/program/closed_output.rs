@@ -1,10 +1,10 @@
-//! Nobody reads standard output any more: what a command has found out, and the status that says so, stay the same.
+//! Standard output is closed: the results of a command and its exit status stay the same.
 
 use crate::rogues::Rogue;
 use crate::running::{Run, command, finished, run};
 use std::process::Stdio;
 
-/// Runs with a standard output that was closed before the program began.
+/// Runs a command whose standard output was closed before the program began.
 fn unread(args: &[&str]) -> Run {
     let (reader, writer) = std::io::pipe().unwrap();
     drop(reader);
@@ -36,7 +36,7 @@ fn the_status_is_that_of_the_verdict() {
     }
 }
 
-/// A scan that comes to no end says so, and ends so, whoever reads what it has found until then.
+/// A scan without end reports this and fails, even if nobody reads what it has found.
 #[test]
 fn a_scan_without_end_is_no_success() {
     let bus = format!("slcan:tcp://{}", Rogue::Endless.start().unwrap());

@@ -1,8 +1,8 @@
-//! What a shell is offered when it asks.
+//! The completions that a shell gets.
 
 use crate::running::{command, finished, run};
 
-/// What bash would offer for the last of these words.
+/// The completions that bash would offer for the last of these words.
 fn offered(words: &[&str]) -> Vec<String> {
     let mut asked = command(&[&["--", "canvass"], words].concat());
     asked.env("COMPLETE", "bash").env("_CLAP_IFS", "\n").env("_CLAP_COMPLETE_INDEX", words.len().to_string());
@@ -11,7 +11,7 @@ fn offered(words: &[&str]) -> Vec<String> {
     answered.stdout.lines().map(str::to_owned).collect()
 }
 
-/// As the system's shells complete it.
+/// A folder in the notation of the system's shells.
 const FOLDER: (&str, &str) =
     if cfg!(windows) { (r"63=docs\exam", r"63=docs\examples\") } else { ("63=docs/exam", "63=docs/examples/") };
 

@@ -1,4 +1,4 @@
-//! `canvass test` and `canvass send` as a user meets them.
+//! `canvass test` and `canvass send` as a user runs them.
 
 use crate::running::run;
 use serde_json::Value;
@@ -10,7 +10,8 @@ fn json(text: &str) -> Value {
     serde_json::from_str(text).unwrap()
 }
 
-/// Every case of the catalogue is reported, and what the device's description and the permissions let run has run: none fails.
+/// Every case of the catalogue is reported. All cases that the device's description and the permissions allow have run,
+/// and none fails.
 #[test]
 fn the_simulated_encoder_passes() {
     let tested = run(&["test", ENCODER, "--format", "json"]);
@@ -34,7 +35,7 @@ fn the_simulated_encoder_passes() {
         assert_eq!(count.as_u64(), Some(counts.remove(verdict.as_str()).unwrap_or(0)), "{verdict}");
     }
     assert!(counts.is_empty(), "not in the summary: {counts:?}");
-    // What the dry run does not rule out is what ran.
+    // Exactly the cases that the dry run does not rule out have run.
     let forecast = run(&["test", ENCODER, "--dry-run"]).stdout;
     let may_run: Vec<&str> = forecast.lines().filter(|line| !line.contains("  (")).map(str::trim).collect();
     for id in may_run {
@@ -76,7 +77,7 @@ fn a_faulty_firmware_fails_with_reason_and_frames() {
     assert_eq!(reason["expected"], "abort 0503 0000h toggle bit not alternated or no answer", "{reason}");
     assert!(reason["duty"].as_str().unwrap().starts_with("A segment whose toggle bit does not alternate"), "{reason}");
     assert_eq!(reason["actual"], "the confirmation of a download segment (30 00 00 00 00 00 00 00)", "{reason}");
-    // The frames begin with the reset before the case, and hold the answer that was wrong.
+    // The frames begin with the reset before the case, and contain the wrong answer.
     let frames = failed[1]["evidence"].as_array().unwrap();
     assert_eq!(
         (&frames[0]["id"], &frames[0]["data"], &frames[0]["direction"]),
@@ -86,7 +87,7 @@ fn a_faulty_firmware_fails_with_reason_and_frames() {
     let wrong = wrong.unwrap_or_else(|| panic!("{frames:?}"));
     assert!(wrong["t"].as_u64() > frames[0]["t"].as_u64(), "{wrong}");
     assert!(wrong["text"].as_str().unwrap().contains("confirmed, toggle 1"), "{wrong}");
-    // People are shown the same: what was expected, and the frame that was sent.
+    // The text output also shows what was expected, and the frame that was sent.
     let shown = run(&["test", &address]).stdout;
     for part in [ids[1], "abort 0503 0000h toggle bit not alternated or no answer", "5BF#3000000000000000"] {
         assert!(shown.contains(part), "{part}: {shown}");
@@ -151,7 +152,7 @@ fn what_there_is_can_be_listed_and_explained() {
         let id = rows[0]["id"].as_str().unwrap();
         assert!(run(&["explain", id]).stdout.starts_with(id));
     }
-    // A case says what it allows, and the situation which cases ask it.
+    // `explain` lists the allowed answers of a case, and the cases of a situation.
     let case = run(&["explain", "301/sdo/download/read-only"]).stdout;
     assert!(case.contains("allows     0601 0002h (read-only)"), "{case}");
     let situation = run(&["explain", "repeated-toggle"]).stdout;
@@ -222,7 +223,7 @@ fn waivers_are_applied_and_idle_ones_are_told_of() {
     assert!(refused.stderr.contains("line 2") && refused.stderr.contains("301/no-such/*"), "{}", refused.stderr);
 }
 
-/// Who accepts what one object does has not accepted it of the others.
+/// A waiver for one object does not cover other objects.
 #[test]
 fn a_waiver_for_one_object_of_an_every_case_leaves_the_others_failing() {
     let case = "301/sdo/download/every-read-only";
@@ -242,7 +243,7 @@ fn a_waiver_for_one_object_of_an_every_case_leaves_the_others_failing() {
     let (status, excused, failed) = waived("abort 0800 0022h");
     assert_eq!((status, &*excused), (1, &["1000h:00".to_owned()][..]));
     assert!(failed.len() > 20 && failed.contains(&"1001h:00".to_owned()), "{failed:?}");
-    // Another answer of the same object is not what was accepted.
+    // The waiver does not cover another answer of the same object.
     let (status, excused, failed) = waived("abort 0601 0000h");
     assert_eq!((status, excused.len()), (1, 0));
     assert!(failed.contains(&"1000h:00".to_owned()));
@@ -262,7 +263,7 @@ fn two_results_are_compared() {
     assert_eq!(better.status, 0);
     let changes = json(&better.stdout);
     assert_eq!(changes["schema"], "canvass/compare/1");
-    // What got worse one way got better the other way, and nothing else did.
+    // The reverse comparison shows the same changes with the opposite direction, and no others.
     let subjects = |changes: &Value, direction: &str| -> BTreeSet<String> {
         let changes = changes["changes"].as_array().unwrap().iter();
         let changes = changes.filter(|change| change["direction"] == direction);
@@ -283,7 +284,8 @@ fn the_selftest_detects_and_counts() {
     assert_eq!(tested.status, 0, "{}{}", tested.stdout, tested.stderr);
     let matrix = json(&tested.stdout);
     let summary = &matrix["summary"];
-    // A row for each fault that one of these cases is there for; each is found by one of them, and by no other.
+    // The matrix has a row for each fault that these cases are meant to detect. Every row is detected, and each of
+    // these cases detects a fault.
     let catalogue = json(&run(&["list", "cases", "--format", "json"]).stdout);
     let cases: Vec<&str> = catalogue.as_array().unwrap().iter().map(|case| case["id"].as_str().unwrap()).collect();
     let rows = matrix["matrix"].as_array().unwrap();
@@ -297,7 +299,7 @@ fn the_selftest_detects_and_counts() {
     assert!(matrix["matrix"][0]["failed"].is_array() && matrix["matrix"][0]["model"].is_string());
 }
 
-/// The traffic of a run can be decoded, and the cases are marked in it.
+/// The recording of a run can be decoded, and marks the cases.
 #[test]
 fn a_run_is_recorded() {
     let folder = tempfile::tempdir().unwrap();
@@ -322,7 +324,7 @@ fn a_case_can_be_repeated_and_forecast() {
     assert!(forecast.stderr.contains("in about"), "{}", forecast.stderr);
 }
 
-/// What a device would need for the cases that do not apply is known beforehand, by its description.
+/// A forecast knows from the device's description which capabilities the device lacks for the cases.
 #[test]
 fn a_forecast_says_what_is_needed() {
     let args = ["test", "can0", "--node", "1", "--device", "conformance/device/models/lika-ax58.eds", "--dry-run"];
@@ -333,7 +335,7 @@ fn a_forecast_says_what_is_needed() {
     assert_eq!(unreadable.status, 2, "{}", unreadable.stderr);
 }
 
-/// Every run ends with what it has made of the object dictionary, in every report.
+/// Every report of a run ends with the changes of the object dictionary.
 #[test]
 fn the_dictionary_is_compared() {
     let folder = tempfile::tempdir().unwrap();
@@ -352,7 +354,7 @@ fn the_dictionary_is_compared() {
     assert!(comparison["objects"].as_u64().unwrap() > 200 && comparison["commands"].as_array().unwrap().is_empty());
 }
 
-/// A device that answers after 900 ms is waited for a second, unless the user says less.
+/// The tester waits up to a second for a device that answers after 900 ms, unless the user sets a shorter time.
 #[test]
 fn waiting_times_can_be_set() {
     const SLOW: &str = "sim:reference-301~~answers-in-900-ms";

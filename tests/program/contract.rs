@@ -3,7 +3,7 @@
 use crate::running::run;
 use serde_json::Value;
 
-/// The commands of the page and what it shows of their output.
+/// The commands of the page, each with its printed output.
 fn examples(page: &str) -> Vec<(String, String)> {
     let mut examples: Vec<(String, String)> = Vec::new();
     let blocks = page.split("```console\n").skip(1).filter_map(|rest| rest.split("```").next());
@@ -29,7 +29,7 @@ fn documents(text: &str) -> Vec<Value> {
     serde_json::Deserializer::from_str(text).into_iter().collect::<Result<_, _>>().unwrap()
 }
 
-/// Whether all that the page shows is in the output, at its place: lists may hold more in between.
+/// Whether the output contains all values that the page shows, in the same places; lists may have further items.
 fn holds(whole: &Value, shown: &Value) -> bool {
     match (whole, shown) {
         (Value::Object(whole), Value::Object(shown)) => {
@@ -71,7 +71,7 @@ fn the_examples_of_the_rows_are_real() {
     }
 }
 
-/// An array stands for itself: there is nowhere to put a schema.
+/// An array of rows has no place for the name of its schema.
 #[test]
 fn every_output_but_arrays_names_its_schema() {
     for command in [

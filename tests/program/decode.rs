@@ -1,4 +1,4 @@
-//! `canvass decode` as a user meets it.
+//! `canvass decode` as a user runs it.
 
 use crate::running::{command, finished, run, run_with_input};
 use std::io::{BufRead, BufReader, Write};
@@ -43,7 +43,7 @@ fn the_bus_trace_of_the_manual() {
     for (line, meaning) in lines.iter().zip(meanings) {
         assert!(line.contains(meaning), "{line}\ndoes not say: {meaning}");
     }
-    // The positions are printed with a length of 4 and six bytes, which can't be.
+    // The manual prints the positions with a length of 4 and six bytes: a contradiction.
     let reports: Vec<&str> = decoded.stderr.lines().collect();
     assert_eq!(reports.len(), 4);
     for (report, line) in reports.iter().zip(22..) {
@@ -59,7 +59,7 @@ fn a_line_comes_out_as_soon_as_its_frame_came_in() {
     for (frame, meaning) in [("73F#00", "boot-up"), ("000#013F", "start remote node"), ("73F#05", "operational")] {
         writeln!(stdin, "(1700000000.000000) can0 {frame}").unwrap();
         let mut line = String::new();
-        // Blocks for ever if the line is held back.
+        // The call blocks for ever if the program holds the line back.
         stdout.read_line(&mut line).unwrap();
         assert!(line.contains(meaning), "{line}");
     }
@@ -85,7 +85,7 @@ fn a_malformed_line_is_reported_and_the_rest_decoded() {
         report.starts_with("-:2:") && report.contains("malformed: expected") && report.contains("found"),
         "{report}"
     );
-    // Times of one digit are no candump log at all.
+    // A file whose times have a single decimal is no candump log.
     assert_ne!(run_with_input(&["decode", "-", "--strict"], WITH_A_MISTAKE).status, 0);
 }
 
@@ -198,7 +198,8 @@ fn unreadable_input_is_status_2() {
     }
 }
 
-/// What is not chosen need not be decoded: nobody sees it. A filter that looks at lengths has every frame decoded.
+/// Frames that the filter does not select need not be decoded. A filter of lengths makes the program decode every
+/// frame, and selects the same frames.
 #[test]
 fn filters_choose_what_they_chose_when_all_was_decoded() {
     let folder = tempfile::tempdir().unwrap();
@@ -233,7 +234,7 @@ fn filters_choose_what_they_chose_when_all_was_decoded() {
     }
 }
 
-/// Three nodes that say the same again and again, until a COB-ID moves or a node starts.
+/// Three nodes that repeat the same messages, until a COB-ID moves or a node starts.
 fn repeated() -> String {
     let mut log = String::new();
     let mut say = |n: u32, frame: &str| log += &format!("(17000{n:05}.000000) can{} {frame}\n", n % 2);

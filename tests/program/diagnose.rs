@@ -48,7 +48,7 @@ fn the_contract_of_json() {
     assert_eq!(document["quality"]["schema"], "canvass/quality/1");
 }
 
-/// A master that looks for nodes asks everybody: those that are not there have no row each.
+/// A master that looks for nodes sends requests to all node-IDs: absent nodes get no row each.
 #[test]
 fn who_was_only_asked_is_told_in_one_line() {
     let asked = |nodes: std::ops::Range<u16>| -> String {
@@ -87,7 +87,7 @@ fn every_format_names_the_frames() {
     assert!(junit.contains("failures=\"0\"") && junit.contains("heartbeat-missing"), "{junit}");
 }
 
-/// What a device calls itself is no command to the terminal.
+/// Control sequences in a device name do not act on the terminal.
 #[test]
 fn hostile_names_are_shown_and_do_nothing() {
     let read = "(1.0) c\x1b[31mn 605#4008100000000000\n(1.1) c\x1b[31mn 585#430810001B5B324A\n";
@@ -103,7 +103,7 @@ fn the_result_goes_to_a_file() {
     let (capture, page) = (folder.path().join("restart.log"), folder.path().join("page.html"));
     let [capture_text, page_text] = [&capture, &page].map(|path| path.to_str().unwrap());
     std::fs::write(&capture, RESTART).unwrap();
-    // What it held before is gone, however long it was.
+    // The old content is gone, however long it was.
     std::fs::write(&page, "x".repeat(1_000_000)).unwrap();
     let date = ["--date", "2026-11-22"];
     let made = run(&[&["diagnose", capture_text, "--format", "html", "--force", "-o", page_text], &date[..]].concat());
@@ -111,7 +111,7 @@ fn the_result_goes_to_a_file() {
     let written = std::fs::read_to_string(&page).unwrap();
     assert!(written.starts_with("<!DOCTYPE html>") && written.ends_with("</html>\n"));
     assert!(!written.contains("http-equiv=\"refresh\"") && !written.contains("src=") && !written.contains("@import"));
-    // The capture is not lost to a slip, whatever it is called.
+    // The program refuses to overwrite the capture, under any spelling of its path.
     for path in [capture_text.to_owned(), format!("{}/./restart.log", folder.path().display())] {
         let refused = run(&["diagnose", capture_text, "--format", "json", "--output", &path]);
         let told = ["restart.log is read", "can't be written"].iter().all(|words| refused.stderr.contains(words));
@@ -168,7 +168,7 @@ impl Operation {
     fn start(&mut self, model: &Model) {
         self.wait(1500);
         self.sdo("4000100000000000");
-        // DS-301 V3.0 had neither of the two.
+        // Devices of DS-301 V3.0 have neither of the two objects.
         let has = |index| model.description().dictionary.object(Index(index)).is_some();
         if has(0x1018) {
             self.sdo("4018100100000000");
@@ -179,7 +179,7 @@ impl Operation {
         self.send(&format!("000#01{:02X}", self.node));
     }
 
-    /// Half a minute with SYNC and an SDO client that reads the position, or what else the device has.
+    /// Half a minute with SYNC and an SDO client that reads the position, or 1000h if the device has no position.
     fn run(&mut self, model: &Model) {
         let encoder = model.description().dictionary.object(Index(0x6004)).is_some();
         let request = if encoder { "4004600000000000" } else { "4000100000000000" };
@@ -225,7 +225,7 @@ fn simulated_devices_in_normal_operation_have_no_findings() {
     }
 }
 
-/// Two frames that a kernel has handed over in the wrong order: `decode` sorts them when it is asked to, `diagnose` always.
+/// The kernel has delivered two frames in the wrong order: `decode` sorts them on request, `diagnose` always.
 #[test]
 fn records_out_of_order() {
     let log = "(1.000) can0 702#00\n(2.009) can0 602#4017100000000000\n(2.004) can0 703#05\n(3.000) can0 702#7F\n";
@@ -241,8 +241,7 @@ fn records_out_of_order() {
     assert!(found.iter().any(|finding| finding["rule"] == "capture/out-of-order"), "{document}");
 }
 
-/// A node drops out and restarts: the loss is the first line, what follows is below it, and nothing is lost.
-/// Where a capture says the bit rate, nothing is inferred; the user knows better.
+/// If a capture holds the bit rate, the program infers none; the user's bit rate takes precedence.
 #[test]
 fn the_bit_rate_of_a_capture() {
     let log = "ASCII Trace IXXAT MiniMon V3  Version: 1.1.4.4533\nDate: 28.01.2025\nStart time: 10:47:15\n\
@@ -279,7 +278,7 @@ fn a_story_begins_with_what_must_be_known() {
     assert!(page.contains("follows from"), "no story in the page");
 }
 
-/// However much is wrong, the table fits on a page; `--verbose` has all.
+/// However many findings there are, the table fits on a page; `--verbose` shows all.
 #[test]
 fn a_noisy_capture_takes_fewer_than_sixty_lines() {
     let mut log = String::new();
@@ -301,7 +300,7 @@ fn a_noisy_capture_takes_fewer_than_sixty_lines() {
     assert!(verbose.lines().count() > 300, "{} lines", verbose.lines().count());
 }
 
-/// The line that is printed when a description is loaded, and the command that it names.
+/// Loading a faulty description prints one line that names the command to show all problems.
 #[test]
 fn problems_of_a_description_are_told_when_it_is_loaded() {
     let folder = tempfile::tempdir().unwrap();
@@ -324,7 +323,7 @@ fn problems_of_a_description_are_told_when_it_is_loaded() {
     }
 }
 
-/// A file of which half can't be read, or with both sides of a merge in it, describes no device.
+/// A file that is half unreadable, or has both sides of a merge in it, describes no device.
 #[test]
 fn a_device_file_that_is_none_is_refused() {
     let folder = tempfile::tempdir().unwrap();

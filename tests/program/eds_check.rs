@@ -1,11 +1,11 @@
-//! `canvass eds check`: forms, statuses, choosing, fixing.
+//! `canvass eds check`: output formats, exit statuses, selection, fixes.
 
 use crate::running::{run, run_with_input};
 use serde_json::Value;
 
 const PLAIN: &str = include_str!("../../analyzer/tests/eds/plain.eds");
 
-/// A folder with `plain.eds`, changed.
+/// A folder with `plain.eds`, in which `from` is replaced by `to`.
 fn folder(from: &str, to: &str) -> (tempfile::TempDir, String) {
     assert!(PLAIN.contains(from), "{from}");
     let folder = tempfile::tempdir().unwrap();
@@ -14,7 +14,7 @@ fn folder(from: &str, to: &str) -> (tempfile::TempDir, String) {
     (folder, path.display().to_string())
 }
 
-/// The status and the document that it prints.
+/// The exit status and the printed document.
 fn json(args: &[&str]) -> (i32, Value) {
     let run = run(args);
     (
@@ -70,7 +70,7 @@ fn json_says_where_and_how_to_mend() {
     assert_eq!(found["summary"]["warnings"], 1);
 }
 
-/// What the schema of SARIF 2.1.0 requires.
+/// The SARIF output has the properties that the schema of SARIF 2.1.0 requires.
 #[test]
 fn sarif_has_what_its_schema_requires() {
     let (_folder, path) = folder("NrOfTXPDO=1", "NrOfTXPDO=4\n; canvass: allow eds/device/pdo-count by contract\n");
@@ -165,7 +165,8 @@ fn rules_are_listed_and_explained() {
     }
 }
 
-/// What a DCF names stands beside it: the EDS that it was made of, and what is to be downloaded.
+/// The files that a DCF names are expected in its folder: the EDS from which it was made, and the files to be
+/// downloaded.
 #[test]
 fn what_a_dcf_names_is_looked_for_beside_it() {
     let (folder, _) = folder("Lines=1", "Lines=1");
@@ -179,7 +180,7 @@ fn what_a_dcf_names_is_looked_for_beside_it() {
         findings.iter().map(|one| (one["rule"].as_str().unwrap().to_owned(), one["line"].as_u64())).collect::<Vec<_>>()
     };
     assert_eq!(found(dcf.clone()), []);
-    // What it configures is its own; what the device is, is not.
+    // A DCF may differ from its EDS in configured values, not in the properties of the device.
     let setting = "ParameterName=Setting\n";
     assert_eq!(found(dcf.replacen(setting, "ParameterName=Setting\nParameterValue=3\n", 1)), []);
     let other = dcf.replacen(setting, "ParameterName=Setting\nLowLimit=1\n", 1);
@@ -190,12 +191,12 @@ fn what_a_dcf_names_is_looked_for_beside_it() {
     assert_eq!(found(downloads("program.bin")).len(), 1);
     std::fs::write(folder.path().join("program.bin"), "").unwrap();
     assert_eq!(found(downloads("program.bin")), []);
-    // Elsewhere is not looked.
+    // Files outside the folder are not looked for.
     assert_eq!(found(downloads("../../program.bin")), []);
     assert_eq!(found(downloads("C:\\\\programs\\\\program.bin")), []);
 }
 
-/// What a file leaves as it is, is no change.
+/// A finding that a comment in the file waives causes no change.
 #[test]
 fn a_difference_without_a_change_has_status_0() {
     let (_folder, path) = folder("Lines=1", "; canvass: allow eds/file/comment-count as it is\nLines=2");

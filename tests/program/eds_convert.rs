@@ -1,4 +1,4 @@
-//! `canvass eds convert`: formats, what is lost, nothing overwritten.
+//! `canvass eds convert`: formats, losses, and protection of existing files.
 
 use crate::running::{run, run_with_input};
 use std::fs;
@@ -22,7 +22,7 @@ fn there_and_back_again_nothing_differs() {
     assert_eq!(diff.status, 0, "{}", diff.stdout);
     let text = fs::read_to_string(&eds).unwrap();
     assert!(text.starts_with("[FileInfo]\r\nFileName=encoder.eds\r\n"), "{text:.80}");
-    // A frame means the same by either.
+    // The conversion leaves no other files in the folder.
     let names: Vec<_> = fs::read_dir(folder.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
     assert_eq!(names.len(), 2, "nothing is left behind: {names:?}");
 }
@@ -51,7 +51,7 @@ fn nothing_is_overwritten_unasked() {
     let refused = run(&["eds", "convert", MODEL, &out]);
     assert!(refused.status == 2 && refused.stderr.contains("give --force to overwrite it"), "{}", refused.stderr);
     assert_eq!(fs::read_to_string(&out).unwrap(), "mine");
-    // What can't be read leaves it too.
+    // An unreadable input keeps the output file, too.
     let unread = run(&["eds", "convert", "README.md", &out, "--force"]);
     assert_eq!((unread.status, fs::read_to_string(&out).unwrap().as_str()), (2, "mine"), "{}", unread.stderr);
     assert_eq!(run(&["eds", "convert", MODEL, &out, "--force"]).status, 0);
@@ -75,7 +75,7 @@ fn what_can_not_be_written_is_refused_with_the_remedy() {
     assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
 }
 
-/// A name of a file that acts does not get into either file or message.
+/// Control sequences in the input get into neither the output nor a message.
 #[test]
 fn what_is_hostile_does_not_act() {
     let text = "[2000]\nParameterName=a\x1b]0;x\x07<b>\nDataType=9\nAccessType=ro\nDefaultValue=\"&\x1b[2J\n";
@@ -105,7 +105,7 @@ fn the_pdos_become_a_can_database() {
     assert!(other.status == 2 && other.stderr.contains("--node is for a DBC"), "{}", other.stderr);
 }
 
-/// A merge that nobody has finished is no description.
+/// A file with an unresolved merge is no description.
 #[test]
 fn half_a_file_is_not_converted() {
     let text = "<<<<<<< ours\n[2000]\nParameterName=a\n=======\n>>>>>>> theirs\n";

@@ -1,4 +1,4 @@
-//! `canvass eds diff`: forms, statuses, what is read.
+//! `canvass eds diff`: output formats, exit statuses, inputs.
 
 use crate::running::{run, run_with_input};
 use canvass_analyzer::dictionary::difference::kinds;
@@ -7,7 +7,7 @@ use serde_json::Value;
 const OLD: &str = "analyzer/tests/eds/plain.eds";
 const PLAIN: &str = include_str!("../../analyzer/tests/eds/plain.eds");
 
-/// What is printed, and the status, where the new description is the old one changed.
+/// The exit status and the output for a description in which `from` is replaced by `to`.
 fn diff(from: &str, to: &str, args: &[&str]) -> (i32, String) {
     assert!(PLAIN.contains(from), "{from}");
     let args = [&["eds", "diff", OLD, "-"], args].concat();

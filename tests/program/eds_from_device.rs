@@ -1,4 +1,4 @@
-//! `canvass eds from-device`: what is made of devices, and what `eds check` and `eds verify` say of it.
+//! `canvass eds from-device`: descriptions made from devices, as `eds check` and `eds verify` judge them.
 
 use crate::running::run;
 use serde_json::Value;
@@ -9,7 +9,7 @@ fn models() -> Vec<String> {
     listed.as_array().unwrap().iter().map(|model| model["id"].as_str().unwrap().to_owned()).collect()
 }
 
-/// Makes a description of the simulated device; no model has objects above.
+/// Makes a description of the simulated device; no model has objects above 67FFh.
 fn described(folder: &Path, bus: &str) -> String {
     let path = folder.join("device.eds").display().to_string();
     let made = run(&["eds", "from-device", bus, "--node", "5", "-o", &path, "--force", "--range", "1000-67FF"]);
@@ -47,7 +47,7 @@ fn every_model_is_as_it_was_described_and_its_file_is_sound() {
     }
 }
 
-/// Each firmware that differs from the one that was described is found out, and in what.
+/// Each firmware with a fault differs from the description, in the expected object.
 #[test]
 fn another_firmware_differs_from_what_was_described() {
     let folder = tempfile::tempdir().unwrap();
@@ -65,7 +65,7 @@ fn another_firmware_differs_from_what_was_described() {
     }
 }
 
-/// The same with a release in which one thing was changed, each time another.
+/// A release of a firmware with one changed object differs from the description in this object.
 #[test]
 fn each_change_of_a_release_is_found() {
     let folder = tempfile::tempdir().unwrap();
@@ -86,7 +86,7 @@ fn each_change_of_a_release_is_found() {
     }
 }
 
-/// A section, what is changed in it, and what is found.
+/// A section, the replaced line and the new line in it, and the expected difference.
 #[rustfmt::skip]
 const CHANGES: &[(&str, &str, &str, &str)] = &[
     ("6000", "DataType=0x0006", "DataType=0x0007", "length 6000h:00"),

@@ -1,4 +1,4 @@
-//! `canvass eds verify`: devices against their descriptions.
+//! `canvass eds verify`: compares devices with their descriptions.
 
 use crate::running::{run, run_with_input};
 use serde_json::Value;
@@ -7,7 +7,7 @@ const MODELS: &str = "conformance/device/models";
 const ENCODER: &str = "conformance/device/models/reference-406.eds";
 const ENCODER_TEXT: &str = include_str!("../../conformance/device/models/reference-406.eds");
 
-/// The status and the document that it prints.
+/// The exit status and the printed document.
 fn json(args: &[&str], input: &str) -> (i32, Value) {
     let run = run_with_input(&[&["eds", "verify"], args, &["--format", "json"]].concat(), input);
     let document = serde_json::from_str(&run.stdout);
@@ -32,7 +32,7 @@ fn every_model_is_as_its_file_describes_it() {
             continue;
         }
         let (file, bus) = (path.to_str().unwrap(), format!("sim:{}", path.file_stem().unwrap().to_str().unwrap()));
-        // A node-ID that the device has as a parameter is one that somebody has configured.
+        // The object that holds the node-ID differs from its default, as a configured setting.
         let (status, document) = json(&[file, &bus, "--node", "5"], "");
         assert_eq!(status, 0, "{document:#}");
         let others: Vec<String> = kinds(&document).into_iter().filter(|kind| !kind.starts_with("setting")).collect();
@@ -41,7 +41,7 @@ fn every_model_is_as_its_file_describes_it() {
     }
 }
 
-/// What another release of the firmware would do.
+/// Faults stand for the changes of another release of the firmware.
 #[test]
 fn each_fault_of_a_firmware_is_found() {
     let faults = [
@@ -108,7 +108,7 @@ fn a_device_that_does_not_answer_is_no_difference() {
     assert!(silent.stderr.contains("node 9 does not answer"), "{}", silent.stderr);
     let file = run(&["eds", "verify", "no-such.eds", "sim:reference-406"]);
     assert!(file.status == 2 && file.stderr.contains("no-such.eds"), "{}", file.stderr);
-    // One that lets whoever asks for what it does not have wait, is not waited for 4000 times.
+    // If a device is silent for absent objects, the survey gives up instead of waiting for 4000 timeouts.
     let (status, document) = json(&[ENCODER, "sim:reference-406+sdo-no-object-silent"], "");
     assert_eq!((status, document["given_up_at"].is_u64()), (0, true), "{document:#}");
 }

@@ -1,4 +1,4 @@
-//! `canvass decode --events` as a user meets it.
+//! `canvass decode --events` as a user runs it.
 
 use crate::running::{run, run_with_input};
 use serde_json::{Value, json};
@@ -111,7 +111,7 @@ fn events_are_no_rows() {
     assert!(ended.stderr.contains("text and json"), "{}", ended.stderr);
 }
 
-/// The identity in the trace is enough: names, units and PDOs of the built-in model are known from there on.
+/// The identity in the trace is sufficient: from there on, names, units and PDOs of the built-in model are known.
 #[test]
 fn a_built_in_model_is_recognised() {
     let log = "\

@@ -1,4 +1,4 @@
-//! What a developer types all day: parts of the cases, what failed last time, a forecast.
+//! Everyday options of `canvass test`: selections, the failures of the last run, forecasts.
 
 use crate::running::run;
 use serde_json::Value;
@@ -32,7 +32,7 @@ fn what_failed_runs_again() {
     let (status, _) =
         tested(&["sim:kuebler-sendix-58x8", "--failed-from", &result, "--exclude", "301/boot-up/reset-node"]);
     assert_eq!(status, 0);
-    // Nothing that failed: nothing is tested, which is no success.
+    // If no case failed, nothing is tested, which is no success.
     let good = folder.path().join("good.json").display().to_string();
     run(&["test", FAULTY, "--select", "301/identity", "--report", &format!("json={good}")]);
     let none = run(&["test", FAULTY, "--failed-from", &good]);
@@ -72,7 +72,7 @@ fn the_first_failure_ends_the_run() {
     assert!(notice.ends_with("a case failed, and the run ends with the first failure"), "{notice}");
 }
 
-/// What fails at each try fails, with all tries told.
+/// A case that fails at each try fails; the notes list all tries.
 #[test]
 fn a_failure_that_stays_fails_whatever_the_retries() {
     let (status, report) = tested(&[FAULTY, "--select", FAILING[1], "--retries", "2"]);
@@ -97,7 +97,7 @@ fn a_forecast_refuses_what_the_run_refuses() {
     ] {
         let (run_status, dry) = (run(args), run(&[args, &["--dry-run"]].concat()));
         assert_eq!(dry.status, status, "{args:?}: {}", dry.stderr);
-        // Only the bus itself can't be asked.
+        // The dry run cannot predict an error of the bus itself.
         let touches_bus = args.contains(&"can0");
         assert!(touches_bus || run_status.status == status, "{args:?}: {}", run_status.stderr);
     }
@@ -116,7 +116,8 @@ fn a_forecast_counts_only_what_would_run() {
     assert_eq!((&nvm["runs"], &nvm["reason"]), (&false.into(), &"only with --allow nvm".into()));
 }
 
-/// The device's own description decides: that of a device without heartbeat and EMCY has nothing for their cases.
+/// The device's own description decides: the cases of heartbeat and EMCY do not apply to a device without both
+/// services.
 #[test]
 fn a_forecast_knows_the_device_of_a_description() {
     let folder = tempfile::tempdir().unwrap();
@@ -154,7 +155,7 @@ fn a_simulated_device_gets_the_node_id_that_is_asked_for() {
     assert_eq!(read.status, 0, "{}", read.stderr);
 }
 
-/// The whole selftest fails where a fault alone is asked for: its cases say nothing of other faults.
+/// With a single fault, the selftest does not judge whether its cases detect other faults.
 #[test]
 fn the_selftest_of_a_fault_judges_what_belongs_to_it() {
     let tested = run(&["selftest", "--fault", "heartbeat-period-doubled", "--format", "json"]);

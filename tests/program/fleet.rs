@@ -1,11 +1,11 @@
-//! `canvass fleet` runs `canvass-fleet`. A script stands for it here.
+//! `canvass fleet` runs `canvass-fleet`, for which a script stands in here.
 
 use crate::running::{Run, finished};
 use std::os::unix::fs::PermissionsExt as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// Tells its own name, its arguments and its standard input, and ends with 7.
+/// A script that prints its own name, its arguments and its standard input, and ends with status 7.
 const STAND_IN: &str = "#!/bin/sh\nprintf '%s\\n' \"$0\" \"$@\"\ncat\necho told >&2\nexit 7\n";
 
 fn stand_in(folder: &Path) -> PathBuf {
@@ -15,7 +15,7 @@ fn stand_in(folder: &Path) -> PathBuf {
     program
 }
 
-/// `canvass` in a folder of its own.
+/// Puts `canvass` into a folder of its own.
 fn canvass(folder: &Path) -> PathBuf {
     let program = folder.join("canvass");
     std::fs::hard_link(env!("CARGO_BIN_EXE_canvass"), &program)

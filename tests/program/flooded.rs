@@ -1,4 +1,4 @@
-//! A tester that can't keep up says what it has lost, where it was lost and in all.
+//! A tester that can't keep up reports the frames that it has lost: their place, and the total.
 
 use crate::running::command;
 use std::io::{BufRead, BufReader, Read, Write};
@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::mpsc;
 use std::time::Duration;
 
-/// More than waits for a reader of the bus that falls behind.
+/// Number of frames, more than the queues before a slow reader of the bus can hold.
 const FRAMES: u64 = 400_000;
 
 /// An adapter that sends [`FRAMES`] frames as fast as the program reads them, reports when all are sent, and then is
@@ -34,7 +34,7 @@ fn flood(stream: &mut TcpStream, sent: &mpsc::Sender<()>) -> std::io::Result<()>
             Ok(read) => {
                 let commands = bytes[..read].split(|&byte| byte == b'\r');
                 let commands: Vec<&[u8]> = commands.filter(|command| !command.is_empty()).collect();
-                // Opening the channel, also to listen only.
+                // Commands to open the channel, either normally or in listen-only mode.
                 begun |= commands.iter().any(|command| matches!(command[0], b'O' | b'L'));
                 stream.write_all(&vec![b'\r'; commands.len()])?;
             }
@@ -51,7 +51,7 @@ fn flood(stream: &mut TcpStream, sent: &mpsc::Sender<()>) -> std::io::Result<()>
     }
 }
 
-/// The frames that were reported as lost, one by one and in all.
+/// The numbers of frames in the messages about losses, and the reported total.
 fn lost(stderr: &str) -> (Vec<u64>, u64) {
     let number = |line: &str, words: &str| {
         let before = line.split(words).next().filter(|before| before.len() < line.len())?;
@@ -65,13 +65,14 @@ fn lost(stderr: &str) -> (Vec<u64>, u64) {
     (each, all.unwrap_or(sum))
 }
 
-/// Nobody reads what `monitor` shows until all frames have come; then it goes on to its end, or is interrupted.
+/// Reads the output of `monitor` only after all frames have been sent; then `monitor` runs to its end, or is
+/// interrupted.
 fn monitored(more: &[&str], interrupt: Option<fn(&Child) -> bool>) {
     let (bus, all_sent) = adapter();
     let args = [&["monitor", &bus], more].concat();
     let mut child = command(&args).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     all_sent.recv_timeout(Duration::from_secs(60)).unwrap();
-    // What is on the way arrives.
+    // The frames still on their way arrive.
     std::thread::sleep(Duration::from_secs(1));
     if let Some(interrupt) = interrupt {
         assert!(interrupt(&child));

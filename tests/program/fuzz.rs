@@ -1,4 +1,4 @@
-//! `canvass fuzz` as a user meets it.
+//! `canvass fuzz` as a user runs it.
 
 use crate::live::Device;
 use crate::running::{Run, run};
@@ -48,7 +48,7 @@ fn several_services_are_fuzzed_together() {
         violations.iter().map(|violation| violation["property"].as_str().unwrap().to_owned()).collect()
     };
     assert!(properties(&report).iter().any(|property| property == "PROP-02"), "{report:#}");
-    // A fault of the SDO server does not show in what is sent to other services.
+    // A fault of the SDO server does not show in requests to other services.
     let report = fuzzed("nmt,sync-emcy", "3");
     assert_eq!((&report["target"], properties(&report)), (&"nmt,sync-emcy".into(), Vec::new()), "{report:#}");
 }
@@ -71,7 +71,7 @@ fn a_violation_is_handed_over_to_be_repeated() {
     assert!(violation["test"].as_str().unwrap().contains("#[test]"));
     assert!(std::fs::read_to_string(file("fuzz.html")).unwrap().contains("PROP-02"));
 
-    // The log alone shows it again, on this device and not on a healthy one.
+    // The log alone reproduces the violation, on this device and not on a healthy one.
     let log = file("violation.log");
     std::fs::write(&log, violation["log"].as_str().unwrap()).unwrap();
     let replayed = run(&["fuzz", FAULTY, "--replay", &log, "--format", "json"]);
@@ -79,7 +79,7 @@ fn a_violation_is_handed_over_to_be_repeated() {
     assert_eq!(run(&["fuzz", HEALTHY, "--replay", &log]).status, 0);
     assert_eq!(run(&["decode", &log]).status, 0, "it is a capture as any other");
 
-    // The next run tries it first, and does not note it again.
+    // The next run tries the recorded sequence first, and does not append it again.
     let noted = std::fs::read_to_string(&regressions).unwrap();
     assert!(noted.starts_with("# canvass fuzz: PROP-02"), "{noted}");
     let again = ["fuzz", FAULTY, "--seed", "99", "--runs", "1", "--format", "json", "--regressions", &regressions];
@@ -129,7 +129,7 @@ fn properties_are_listed_and_explained() {
     assert!(run(&["explain", "PROP-05"]).stdout.contains("abort"));
 }
 
-/// A file for each violation, which shows it again.
+/// Each violation gets a file that reproduces it.
 #[test]
 fn reproducers_are_files_of_their_own() {
     let folder = tempfile::tempdir().unwrap();
@@ -172,7 +172,8 @@ fn all_can_be_allowed_at_once() {
     assert!(named > would_run("node-id"), "some of them need leave");
 }
 
-/// The position was 19642 steps, and the preset makes it 19949, which is stored: a reset does not bring back what was before.
+/// The position was 19642 steps. The preset makes it 19949 and is stored, so that a reset does not restore the old zero
+/// point.
 #[test]
 fn a_zero_point_that_a_sequence_has_moved_is_told_with_how_to_set_it_right() {
     let device = Device::of("kuebler-sendix-58x8", &[]);

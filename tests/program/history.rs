@@ -1,4 +1,4 @@
-//! Results over releases: what changed from one to the next, and since when what is bad.
+//! Results over several releases: the changes from one to the next, and the release since which a case fails.
 
 use crate::running::run;
 use serde_json::Value;
@@ -61,7 +61,7 @@ fn the_first_bad_release_of_each_case_is_found() {
     assert!(text.contains("bad since 1.1, good again in 1.3, bad again since 1.5"), "{text}");
 }
 
-/// What was fixed once and is bad again is told from what is bad for the first time.
+/// A failure that returns after a fix is distinguished from a new failure.
 #[test]
 fn a_regression_that_returns_is_told_from_a_new_one() {
     let folder = tempfile::tempdir().unwrap();
@@ -77,7 +77,7 @@ fn a_regression_that_returns_is_told_from_a_new_one() {
     assert!(text.contains("again: it was bad in 1.2") && text.contains("1 for the worse, 1 of them again"), "{text}");
     let junit = run(&[&args[..], &["--format", "junit"]].concat()).stdout;
     assert!(junit.contains("type=\"returned\""), "{junit}");
-    // Without the releases before, and for the first time, it is new.
+    // Without the earlier releases, the first failure is new.
     let first = run(&["compare", &files[0], &files[1], "--format", "json"]);
     assert!(first.stdout.contains("\"returned\": null") && !first.stdout.contains("\"returned\": \""));
     let history =
@@ -100,7 +100,7 @@ fn samples_of_a_release_are_told_apart_from_releases() {
     assert_eq!(run(&["history", "Cargo.toml"]).status, 2);
 }
 
-/// What was tested and is no longer, a run that was ended, and a document of another version pass no release.
+/// A case that is tested no longer, a cancelled run, and a document of another version do not pass as a release.
 #[test]
 fn a_comparison_counts_what_is_lost() {
     let folder = tempfile::tempdir().unwrap();
@@ -139,7 +139,7 @@ fn a_comparison_has_every_format() {
     for format in formats {
         let report = std::fs::read_to_string(out(format)).unwrap();
         for told in ["301/heartbeat/period", "301/boot-up/reset-node", "pass", "fail", "2 for the worse"] {
-            // JSON and JUnit count by other words.
+            // JSON and JUnit print the counts in another form.
             let counts = told.starts_with('2') && ["json", "junit"].contains(&format);
             assert!(counts || report.contains(told), "{format} lacks {told}: {report}");
         }

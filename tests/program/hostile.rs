@@ -1,15 +1,15 @@
-//! Captures made to hurt, through the program: a clear word about what is wrong, no crash, and little memory.
+//! Captures that attack the program: it reports a clear error, does not crash, and needs little memory.
 
 use crate::running::{Run, finished};
 use std::io::{self, Read, Write};
 use std::process::{Command, Stdio};
 
-/// What the program itself, as it is built for tests, takes of the memory, in KiB, by `size`.
+/// Size of the program itself in memory, as built for tests, in KiB, by `size`.
 const IMAGE: usize = 38_000;
-/// All memory that the program may ask for, in KiB; what is in use of it is less.
+/// Limit of the program's virtual memory in KiB; the memory in use is less.
 const MEMORY: usize = IMAGE + 80_000;
 
-/// Runs the program on what `write` makes, with that limit.
+/// Runs the program on the output of `write`, with this limit of memory.
 fn run(args: &str, write: impl FnOnce(&mut dyn Write) -> io::Result<()> + Send) -> Run {
     run_within(MEMORY, args, write)
 }
@@ -18,7 +18,7 @@ fn run_within(memory: usize, args: &str, write: impl FnOnce(&mut dyn Write) -> i
     let shell = format!("ulimit -v {memory} && exec \"$0\" {args}");
     let mut child = Command::new("sh")
         .args(["-c", &shell, env!("CARGO_BIN_EXE_canvass")])
-        // Each thread would reserve 64 MiB of addresses beforehand.
+        // Without this variable each thread would reserve 64 MiB of addresses.
         .env("MALLOC_ARENA_MAX", "1")
         .stdin(Stdio::piped())
         .stdout(Stdio::piped())
@@ -37,7 +37,7 @@ fn closed(error: io::Error) -> io::Result<()> {
     if error.kind() == io::ErrorKind::BrokenPipe { Ok(()) } else { Err(error) }
 }
 
-/// `decode` and `convert` both say `report` and end with `status`; `lines` is what `decode` prints before.
+/// `decode` and `convert` both print `report` and end with `status`; `decode` prints `lines` lines before it.
 fn says(report: &str, status: i32, lines: usize, write: impl Fn(&mut dyn Write) -> io::Result<()> + Send + Sync) {
     let decoded = run("decode -", &write);
     assert!(decoded.stderr.contains(report), "{}", decoded.stderr);
@@ -145,7 +145,7 @@ fn blf_containers_that_inflate_without_end() {
     }
 }
 
-/// A gzip stream of many members, which the decompressor takes for one.
+/// A gzip stream of many members, which the decompressor treats as one stream.
 fn gzip_bomb(out: &mut dyn Write, head: &[u8], byte: u8) -> io::Result<()> {
     let member = |content: &mut dyn Read| -> io::Result<Vec<u8>> {
         let mut gzip = flate2::write::GzEncoder::new(Vec::new(), flate2::Compression::fast());
@@ -165,7 +165,7 @@ fn gzip_bombs() {
     says("expected", 2, 24, |out| gzip_bomb(out, &sample("tcpdump-us.pcap"), 0xFF));
 }
 
-/// Whatever a command reads as a whole it stops reading when there is more of it than such a file can have.
+/// A command that reads a whole file stops when the file is longer than such files can be.
 #[test]
 fn a_file_without_end_for_whatever_is_read() {
     let sample = format!("{}/traces/samples/python-can.log", env!("CARGO_MANIFEST_DIR"));
@@ -201,16 +201,16 @@ fn a_file_without_end_for_whatever_is_read() {
     }
 }
 
-/// Every kind of character that acts: a control sequence, a line that looks like a message, bidirectional controls, a line
-/// separator, an invisible mark, a tag.
+/// All kinds of characters with effects: a control sequence, a line that imitates a message, bidirectional controls,
+/// line and paragraph separators, an invisible mark, a tag.
 const ACTING: &str = "a\u{1b}[2J\ncanvass: all is well\u{202e}\u{2066}\u{2028}\u{2029}\u{feff}\u{e0041}b";
 
-/// Names of files, channels and waivers are what their author makes them; no output lets them act.
+/// Authors of files choose the names of files, channels and waivers; no output prints them with effect.
 #[test]
 fn names_do_not_act() {
     let folder = tempfile::tempdir().unwrap();
     let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
-    // As it is in a file name, and in each place of a capture that holds text.
+    // The characters are in a file name, and in each place of a capture that holds text.
     let capture = path(&format!("{ACTING}.log"));
     let channel: String = ACTING.chars().filter(|c| !c.is_whitespace() && *c != '\u{2028}').collect();
     std::fs::write(&capture, format!("(1700000000.000000) {channel} 701#05\n{ACTING}\n(1.0) x {ACTING}\n")).unwrap();
@@ -252,7 +252,7 @@ fn names_do_not_act() {
         vec!["compare", &capture, &missing],
     ];
     let acts = |text: &str| {
-        // Lines are checked by what they begin with: a name must not make one.
+        // Lines are checked by their beginning: a name must not produce such a line.
         let acting = text.chars().find(|&c| c != '\n' && canvass_reports::escape::acts(c));
         acting.map(|c| format!("{c:?}")).or_else(|| {
             let forged = text.lines().find(|line| line.starts_with("canvass: all is well"));

@@ -1,4 +1,4 @@
-//! A run that Ctrl-C ends: its report is written, and the device is as it was.
+//! Ctrl-C ends a run: the report is written, and the device is left as it was.
 
 use crate::running::{command, finished, interrupt};
 use serde_json::Value;
@@ -10,7 +10,7 @@ fn document(text: &str) -> Value {
     serde_json::from_str(text).unwrap_or_else(|error| panic!("{error}: {text}"))
 }
 
-/// A run that would take long is ended after its first case: its report holds that case, and the run is no good one.
+/// A long run is ended after its first case: the report holds this case, and the exit status is no success.
 #[test]
 fn ctrl_c_still_writes_the_report() {
     let folder = tempfile::tempdir().unwrap();
@@ -32,14 +32,14 @@ fn ctrl_c_still_writes_the_report() {
     assert!(verdicts.contains(&&"pass".into()), "{verdicts:?}");
 }
 
-/// Whether a case is marked as one that passed in a recording in that folder, which need not have its name yet.
+/// Whether a recording in this folder marks a case as passed; the recording need not have its final name yet.
 fn has_passed_one(folder: &std::path::Path) -> bool {
     let files = std::fs::read_dir(folder).unwrap().flatten();
     let texts = files.filter_map(|file| std::fs::read(file.path()).ok());
     texts.into_iter().any(|text| String::from_utf8_lossy(&text).contains(" ends: pass"))
 }
 
-/// A device that was at work, with values that nobody has stored, has them again after a run that was interrupted.
+/// An interrupted run restores the unstored values that the device had before.
 #[test]
 fn an_interrupted_run_leaves_the_dictionary_as_it_was() {
     for round in 0..20_u64 {
@@ -48,7 +48,7 @@ fn an_interrupted_run_leaves_the_dictionary_as_it_was() {
             .stderr(Stdio::piped())
             .spawn()
             .unwrap();
-        // Any moment, but the same ones in every run of this test.
+        // The moments are arbitrary, but the same in every run of this test.
         std::thread::sleep(std::time::Duration::from_millis(round * 37 % 400));
         assert!(interrupt(&child));
         let ended = finished(child.wait_with_output().unwrap());
@@ -57,7 +57,7 @@ fn an_interrupted_run_leaves_the_dictionary_as_it_was() {
         }
         let report = document(&ended.stdout);
         assert_eq!(report["notices"], Value::Array(Vec::new()), "round {round}: {}", report["notices"]);
-        // Interrupted while the dictionary was read, no case has run.
+        // If the run was interrupted while the dictionary was read, no case has run.
         let ran = !report["cases"].as_array().unwrap().is_empty();
         assert!(!ran || report["dictionary"].as_array().unwrap().len() > 100);
     }

@@ -1,5 +1,5 @@
-//! Ctrl-C at any moment: the device is left as it was found. SIGKILL at any moment: the journal of the run puts it back. The
-//! device is a process of its own, so that what it holds is seen after the tester has gone.
+//! Ctrl-C at any moment: the run leaves the device as it found it. SIGKILL at any moment: the journal of the run
+//! restores the device. The device is a separate process, so that its values can be read after the tester has gone.
 
 use crate::live::Device;
 use crate::running::{command, finished, run};
@@ -8,8 +8,8 @@ use std::path::Path;
 use std::process::{Child, Stdio};
 use std::time::Duration;
 
-/// Number of runs that are interrupted or killed, and of devices that are tested at a time: most of the time is
-/// waiting.
+/// Numbers of runs that are interrupted and killed, and number of devices that are tested at the same time: most of the
+/// time is waiting.
 #[cfg(unix)]
 const INTERRUPTED: u64 = 100;
 const KILLED: u64 = 50;
@@ -18,34 +18,34 @@ const DEVICES: u64 = 10;
 /// others once the first case has begun.
 const AT_ANY_MOMENT: u64 = 7;
 
-/// What keeps a value that nobody has stored, one of each kind: communication, PDO, application, limited, text.
+/// Objects with values that are not stored, one of each kind: communication, PDO, application, limited, text.
 const AT_WORK: [(&str, &str); 5] =
     [("1017", "1000"), ("1800:05", "500"), ("1006", "20000"), ("2041", "321"), ("1016:01", "6619236")];
 
-/// How a run ends before its time.
+/// The way in which a run ends early.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum End {
-    /// The user wants it to end.
+    /// By Ctrl-C of the user.
     #[cfg(unix)]
     Interrupted,
-    /// It is not asked.
+    /// By SIGKILL, without notice.
     Killed,
 }
 
-/// A moment in the life of a run, the same in every run of this test, different for every kill.
+/// The time after which a run ends: different for every kill, the same in every run of this test.
 fn moment(kill: u64) -> Duration {
     let chance = kill.wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(31).wrapping_mul(0xBF58_476D_1CE4_E5B9);
     Duration::from_millis(200 + (chance >> 33) % 4_000)
 }
 
-/// Waits until the journal is there: a busy machine needs seconds for what comes before the first case.
+/// Waits until the journal exists: on a busy machine the steps before the first case take seconds.
 fn wait_for_a_case(run: &mut Child, journal: &Path) {
     while !journal.exists() && run.try_wait().unwrap().is_none() {
         std::thread::sleep(Duration::from_millis(5));
     }
 }
 
-/// Every object that can be read, as another run of the program finds it before its first case.
+/// All readable objects, as another run of the program finds them before its first case.
 fn dictionary(bus: &str) -> Value {
     let args = [
         "test",
@@ -62,12 +62,12 @@ fn dictionary(bus: &str) -> Value {
     let tested = run(&args);
     let report: Value =
         serde_json::from_str(&tested.stdout).unwrap_or_else(|error| panic!("{error}: {}", tested.stderr));
-    // Those go on by themselves: time, and what was received.
+    // These objects change by themselves: errors and clocks.
     let steady = |row: &&Value| !matches!(row["index"].as_u64(), Some(0x1001 | 0x1003 | 0x1013 | 0x2020));
     Value::Array(report["dictionary"].as_array().unwrap().iter().filter(steady).cloned().collect())
 }
 
-/// The same, read again until it was the same twice: on a machine that is slow enough an answer may come too late.
+/// The dictionary, read again until two readings agree: on a very slow machine an answer may come too late.
 fn settled(bus: &str) -> Value {
     let mut last = dictionary(bus);
     for _ in 0..5 {
@@ -85,7 +85,7 @@ fn write(bus: &str, object: &str, value: &str) {
     assert_eq!(written.status, 0, "{object}: {}", written.stderr);
 }
 
-/// Kills one run after the other on one device; says what was different afterwards, and how often there was a journal.
+/// Ends one run after the other on one device; returns the differences left behind, and how often there was a journal.
 fn kill(first: u64, kills: u64, end: End) -> (Vec<String>, u64) {
     let folder = tempfile::tempdir().unwrap();
     let journal = folder.path().join("journal");
@@ -151,7 +151,7 @@ fn kill(first: u64, kills: u64, end: End) -> (Vec<String>, u64) {
     (wrong, restored)
 }
 
-/// Runs are killed on all devices; gives how many left a journal.
+/// Ends runs on all devices; returns how many left a journal.
 fn kill_all(kills: u64, end: End) -> u64 {
     let ends: Vec<(Vec<String>, u64)> = std::thread::scope(|scope| {
         let threads: Vec<_> = (0..DEVICES).map(|first| scope.spawn(move || kill(first, kills, end))).collect();
@@ -162,7 +162,7 @@ fn kill_all(kills: u64, end: End) -> u64 {
     ends.iter().map(|(_, restored)| restored).sum()
 }
 
-/// A run at a terminal whose user gives that answer; what it says there.
+/// Runs a command at a terminal whose user gives this answer; returns its status and messages.
 #[cfg(unix)]
 fn answered(args: &[&str], answer: &str) -> (i32, String) {
     use std::io::{Read, Write};
@@ -173,11 +173,11 @@ fn answered(args: &[&str], answer: &str) -> (i32, String) {
     let mut listener = user.try_clone().unwrap();
     let told = std::thread::spawn(move || {
         let mut told = Vec::new();
-        // A terminal that nobody holds any more ends with an error.
+        // Reading ends with an error when no process holds the terminal any more.
         let _ = listener.read_to_end(&mut told);
         String::from_utf8_lossy(&told).into_owned()
     });
-    // The terminal keeps it until it is asked for.
+    // The terminal keeps the answer until the program reads it.
     writeln!(user, "{answer}").unwrap();
     let status = child.wait().unwrap().code().unwrap();
     drop(terminal.slave);

@@ -1,4 +1,4 @@
-//! The commands of live buses: on the simulated bus, and in two processes with an SLCAN connection between them.
+//! The commands for live buses: on the simulated bus, and in two processes with an SLCAN connection between them.
 
 use crate::proxy::Proxy;
 use crate::running::{Run, command, run};
@@ -8,7 +8,7 @@ use std::process::{Child, Stdio};
 
 const ENCODER: &str = "sim:kuebler-sendix-58x8";
 
-/// A simulated device behind TCP; killed at the end.
+/// A simulated device behind TCP, which is killed at the end of the test.
 pub struct Device {
     child: Child,
     pub bus: String,
@@ -19,18 +19,18 @@ impl Device {
         Self::of("kuebler-sendix-58x8", more)
     }
 
-    /// A device of that model, with its node-ID of delivery.
+    /// A device of this model, with its node-ID as delivered.
     pub fn of(model: &str, more: &[&str]) -> Self {
         let (device, node) = (0..20).find_map(|_| Self::on_a_free_port(model, more)).expect("a port stays free");
-        // It answers once it has booted.
+        // The device answers once it has booted.
         let answers = || run(&["sdo", "read", &device.bus, &node, "1000", "--timeout", "300ms"]).status == 0;
         assert!((0..20).any(|_| answers()), "the simulated device boots");
         device
     }
 
-    /// The device and its node-ID; `None` if somebody else took the port between the choice and the device's start.
+    /// Starts a device; `None` if another program took the port between the choice and the device's start.
     fn on_a_free_port(model: &str, more: &[&str]) -> Option<(Self, String)> {
-        // The port is free again once this listener is gone.
+        // The port is free again when this listener is dropped.
         let address = std::net::TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
         let listen = format!("slcan:listen://{address}");
         let mut child = command(&[&["simulate", model, &listen], more].concat())
@@ -91,8 +91,8 @@ fn scan_says_who_is_there() {
     assert_eq!((&node["model"], &node["model_exact"]), (&"kuebler-sendix-58x8".into(), &true.into()), "{scan}");
 }
 
-/// Every model that is configured is known by what it says of itself. Of the Sendix 58x8 and F58 that is the same, and of
-/// C100 and D125.
+/// A scan recognises every configured model by its identity. The Sendix 58x8 and F58 have the same identity, and so
+/// have C100 and D125.
 #[test]
 fn scan_knows_the_models() {
     let models = json(&run(&["list", "models", "--format", "json"]));
@@ -112,7 +112,8 @@ fn scan_knows_the_models() {
     );
 }
 
-/// Any device description makes a device, every motion is taken, and what is stored outlives the program.
+/// A device description is sufficient to simulate a device; it accepts every motion, and its stored values outlive the
+/// program.
 #[test]
 fn a_device_of_a_description_keeps_its_memory() {
     let folder = tempfile::tempdir().unwrap();
@@ -154,7 +155,7 @@ fn lss_asks_and_configures() {
     assert_eq!(run(&["lss", "fastscan", ENCODER]).status, 3, "it has a node-ID");
 }
 
-/// LMT, which older devices have in place of LSS, has the same commands and another table of bit rates.
+/// LMT, which older devices have in place of LSS, has the same commands but another table of bit rates.
 #[test]
 fn a_device_with_lmt_is_given_no_bit_rate_of_lss() {
     const LMT: &str = "sim:tr-lmp30";
@@ -169,7 +170,7 @@ fn a_device_with_lmt_is_given_no_bit_rate_of_lss() {
     {
         assert!(refused.stderr.contains(says), "{}", refused.stderr);
     }
-    // The node-ID has one meaning in both, and a device with LSS, or none of either, is as it was.
+    // The node-ID means the same in LSS and LMT. Devices with LSS, or with neither, are treated as before.
     let configured = run(&["lss", "configure", LMT, "--node-id", "5"]);
     assert_eq!(
         (configured.status, &*configured.stdout),
@@ -191,7 +192,7 @@ fn a_device_with_lmt_is_given_no_bit_rate_of_lss() {
     }
 }
 
-/// Nothing that sets anything is sent to a device with LMT, and it is left in operation.
+/// A device with LMT gets no request that changes its settings, and is left in operation mode.
 #[test]
 fn what_a_device_with_lmt_is_sent_changes_nothing() {
     let device = Device::of("tr-lmp30", &[]);
@@ -205,7 +206,7 @@ fn what_a_device_with_lmt_is_sent_changes_nothing() {
     );
 }
 
-/// A device that takes part in Fastscan though it has a node-ID would be given one after the other, up to 127.
+/// Without this check, a device that wrongly takes part in Fastscan would get one node-ID after the other, up to 127.
 #[test]
 fn fastscan_ends_with_a_device_that_it_has_seen() {
     const FAULTY: &str = "sim:reference-301+fastscan-answered-when-configured";
@@ -272,11 +273,11 @@ fn a_faulty_device_behind_slcan_fails() {
     let args = ["test", &device.bus, "--device", "kuebler-sendix-58x8", "--select", case, "--format", "json"];
     let report = json(&run(&args));
     let verdict = report["cases"][0]["verdict"].as_str().unwrap();
-    // Where this machine is too slow to judge, it says so.
+    // If this machine is too slow to judge, the verdict says so.
     assert!(verdict == "fail" || report["cases"][0]["reason"]["duty"] == "the tester's machine keeps up", "{report:#}");
 }
 
-/// On a bus in real time: found, repeated after a reset, made small, and the device left as it was.
+/// On a bus in real time, a violation is found, repeated after a reset and shortened, and the device is left as it was.
 #[test]
 fn a_violation_behind_slcan_is_confirmed_and_small() {
     let device = Device::start(&["--fault", "sdo-toggle-unchecked"]);
@@ -286,7 +287,7 @@ fn a_violation_behind_slcan_is_confirmed_and_small() {
     let report = json(&fuzzed);
     assert_eq!(fuzzed.status, 1, "{report:#}");
     let violation = &report["violations"][0];
-    // Where this machine is too slow to be sure, it says so.
+    // If this machine is too slow to confirm the violation, the report says so.
     if violation["confirmed"] == true {
         assert!(violation["rule"].as_str().unwrap().contains("toggle"), "{violation:#}");
         assert!(violation["frames"].as_array().unwrap().len() <= 8, "{violation:#}");
@@ -304,7 +305,7 @@ fn buses_that_are_not_there() {
     ] {
         let tested = run(&["test", bus, "--node", "5"]);
         assert_eq!(tested.status, 3, "{bus}: {}", tested.stderr);
-        // A kernel without CAN says that first.
+        // If the kernel has no CAN, the program reports this first.
         assert!(tested.stderr.contains(says) || tested.stderr.contains("no CAN in this kernel"), "{}", tested.stderr);
     }
     assert_eq!(run(&["test", "slcan:/dev/x@300k", "--node", "5"]).status, 3);
@@ -319,7 +320,7 @@ fn the_doctor_answers() {
     let socketcan =
         doctor["findings"].as_array().unwrap().iter().find(|finding| finding["what"] == "SocketCAN").unwrap();
     if socketcan["good"] == false {
-        // Whatever lacks, it is named.
+        // The text names what is missing.
         let text = socketcan["text"].as_str().unwrap();
         let reasons = ["CONFIG_CAN", "/proc/modules", "/lib/modules/", "modprobe can-raw", "permission", "only Linux"];
         assert!(reasons.iter().any(|reason| text.contains(reason)), "{text}");

@@ -1,4 +1,4 @@
-//! A session with the language server, as an editor has it.
+//! Sessions with the language server, as an editor has them.
 
 use crate::running::command;
 use lsp_server::{Message, Notification, Request, RequestId};
@@ -65,7 +65,7 @@ impl Editor {
         self.send(&Notification { method: method.to_owned(), params }.into());
     }
 
-    /// What the server answers; findings that come meanwhile are kept.
+    /// The answer to a request; findings that arrive meanwhile are kept.
     fn reply(&mut self, method: &str, params: Value) -> Result<Value, i32> {
         self.requests += 1;
         let id = RequestId::from(self.requests);
@@ -86,7 +86,7 @@ impl Editor {
         self.reply(method, params).unwrap()
     }
 
-    /// The rules of the findings that were published next.
+    /// The rules of the findings that the server publishes next.
     fn found(&mut self) -> Vec<String> {
         let said = match self.findings.is_empty() {
             false => self.findings.remove(0),
@@ -112,7 +112,7 @@ impl Editor {
     }
 }
 
-/// A place by the line that begins so, and a column.
+/// The position of a column in the line that begins with this text.
 fn place(line: &str, character: usize) -> Value {
     let line = TEXT.lines().position(|text| text.starts_with(line)).unwrap();
     json!({ "textDocument": { "uri": URI }, "position": { "line": line, "character": character } })
@@ -124,7 +124,7 @@ fn findings_come_as_one_types_and_go() {
     editor.open(TEXT);
     let found = editor.found();
     assert!(found.contains(&"eds/list/count".to_owned()), "{found:?}");
-    // Another count, typed in place of the 7.
+    // The user types another count in place of the 7.
     let line = TEXT.lines().position(|line| line.starts_with("SupportedObjects")).unwrap();
     let range = json!({ "start": { "line": line, "character": 17 }, "end": { "line": line, "character": 18 } });
     let change =
@@ -173,7 +173,7 @@ fn what_can_be_mended_is_offered_and_mends() {
     assert_eq!((&quick["title"], &quick["kind"]), (&"write 1".into(), &"quickfix".into()), "{actions}");
     assert_eq!(quick["edit"]["changes"][URI][0], json!({ "range": range, "newText": "1" }));
     assert_eq!(actions.as_array().unwrap().last().unwrap()["kind"], "source.fixAll");
-    // Formatting does the same as --fix.
+    // Formatting has the same result as `--fix`.
     let options = json!({ "tabSize": 4, "insertSpaces": true });
     let edits = editor.ask("textDocument/formatting", json!({ "textDocument": { "uri": URI }, "options": options }));
     let edit = &edits[0];
@@ -209,7 +209,7 @@ fn what_is_wrong_is_refused_and_ends_nothing() {
     editor.end();
 }
 
-/// An editor that is gone ends the server.
+/// The server ends when the editor disconnects.
 #[test]
 fn without_an_editor_it_ends() {
     let mut editor = Editor::start(&["utf-16"]);
@@ -217,7 +217,7 @@ fn without_an_editor_it_ends() {
     assert!(editor.server.wait().unwrap().code().is_some_and(|status| status <= 2));
 }
 
-/// The extension for Visual Studio Code: what its manifest names is there, and it starts this command.
+/// The extension for Visual Studio Code: the files that its manifest names exist, and it starts this command.
 #[test]
 fn the_extension_is_whole() {
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("editors/vscode");

@@ -1,6 +1,7 @@
 //! The program, end to end.
 //!
-//! What needs Unix says why, after `cfg(unix)`: `cargo xtask windows`, which runs the others as programs of Windows, prints it.
+//! Tests that need Unix give the reason after `cfg(unix)`: `cargo xtask windows`, which runs the others as programs of
+//! Windows, prints it.
 
 #[cfg(test)]
 mod archive;

@@ -1,4 +1,4 @@
-//! The cases of a run in its recording: marked by their ids, and found again from the report.
+//! The cases of a run in its recording: their ids mark them, and the report refers to them.
 
 use crate::running::run;
 use serde_json::Value;
@@ -6,7 +6,7 @@ use serde_json::Value;
 const BUS: &str = "sim:kuebler-sendix-58x8+boot-up-twice";
 const CASE: &str = "301/boot-up/reset-node";
 
-/// A run with a recording of that name: its result, the path of the recording, and what was said on standard error.
+/// A run with a recording of this name: its result, the path of the recording, and its messages on standard error.
 fn recorded(folder: &tempfile::TempDir, name: &str, more: &[&str]) -> (Value, String, String) {
     let path = folder.path().join(name).display().to_string();
     let args = ["test", BUS, "--select", "301/boot-up", "--format", "json", "--record", &path];
@@ -36,7 +36,7 @@ fn every_format_with_comments_names_the_cases() {
     assert!(said.contains("the capture can't hold comments"), "{said}");
 }
 
-/// What happened is reported with the case in which it did.
+/// Events appear below the mark of the case in which they occurred.
 #[test]
 fn events_have_the_marks_too() {
     let folder = tempfile::tempdir().unwrap();
@@ -61,10 +61,11 @@ fn programs_read_the_marks_too() {
     let mark = format!("case {CASE} begins");
     assert!(decoded(&path, &["--format", "json"]).contains(&format!("{mark}\"}}")), "JSON");
     assert!(decoded(&path, &["--format", "csv"]).contains(&mark), "CSV");
-    // A frame that is chosen has the mark before it, though it stands at one that is not.
+    // A selected frame is preceded by the mark of its case, even if the mark is attached to a frame that is not
+    // selected.
     let boots = decoded(&path, &["--filter", "service=boot-up"]);
     assert!(boots.contains(&format!("# {mark}\n")) && !boots.contains(" 000 "), "{boots}");
-    // They stay when the capture is converted.
+    // The marks are kept when the capture is converted.
     let log = folder.path().join("converted.log").display().to_string();
     assert_eq!(run(&["convert", &path, &log]).status, 0);
     assert!(decoded(&log, &[]).contains(&format!("# {mark}\n")));
@@ -95,7 +96,7 @@ fn markers_of_cias_tool_come_only_when_asked_for() {
     assert!(without.status == 2 && without.stderr.contains("--record"), "{}", without.stderr);
 }
 
-/// What a report calls frame number N is frame number N of the recording, with frames of CiA's tool between them or not.
+/// Frame number N of a report is frame number N of the recording, with or without marker frames of CiA's tool.
 #[test]
 fn reports_number_the_frames_of_the_recording() {
     let folder = tempfile::tempdir().unwrap();

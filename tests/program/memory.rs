@@ -1,14 +1,14 @@
-//! Memory does not grow with the capture: what the program has needed at most, after a part of it and after ten times as
-//! much, read from the running process.
+//! Memory does not grow with the capture: the test compares the peak memory of the running process after a part of the
+//! capture and after ten times as much.
 
 use std::fmt::Write as _;
 use std::io::Write;
 use std::process::{Child, Command, Stdio};
 
-/// Cycles of [`CYCLE`] before the first look.
+/// Number of cycles of [`CYCLE`] before the first measurement.
 const WARM_UP: usize = 1_500;
 const FACTOR: usize = 10;
-/// In KiB. Buffers may still grow to their size.
+/// Limit of the growth in KiB. Buffers may still grow to their size.
 const MOST_GROWTH: u64 = 2 * 1024;
 const MOST: u64 = 64 * 1024;
 
@@ -31,7 +31,7 @@ const CYCLE: &str = "\
 0BF#0000000000000000
 ";
 
-/// The most memory that was in use so far, in KiB.
+/// The peak memory of the process so far, in KiB.
 fn peak(child: &Child) -> u64 {
     let status = std::fs::read_to_string(format!("/proc/{}/status", child.id())).unwrap();
     let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:")).unwrap();
@@ -55,7 +55,7 @@ fn cycles(first: usize, count: usize, out: &mut impl Write) {
     out.write_all(text.as_bytes()).unwrap();
 }
 
-/// What a pipe holds is at most 64 KiB: what was written has been read but for that.
+/// Runs a command on standard input. The pipe holds at most 64 KiB: the program has read the rest of what was written.
 fn does_not_grow(args: &str) {
     let mut child = Command::new(env!("CARGO_BIN_EXE_canvass"))
         .args(args.split(' '))

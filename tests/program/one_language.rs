@@ -1,4 +1,4 @@
-//! The same words in all commands, and an answer where nothing was found.
+//! All commands use the same words, and answer even if they find nothing.
 
 use crate::running::run;
 
@@ -26,7 +26,7 @@ fn there_is_help_of_filters_and_of_commands() {
     for field in ["node", "id", "index", "sub", "len", "abort", "emcy", "violation", "fd", "in 1..8", "181h"] {
         assert!(page.stdout.contains(field), "{field}");
     }
-    // Its examples work.
+    // The examples of the page work.
     for line in page.stdout.lines().filter(|line| line.trim_start().starts_with("canvass decode")) {
         let filter = line.split('\'').nth(1).unwrap();
         let ended = run(&["decode", CAPTURE, "--filter", filter]);
@@ -38,7 +38,7 @@ fn there_is_help_of_filters_and_of_commands() {
     assert!(unknown.status == 2 && unknown.stderr.contains("filter"), "{}", unknown.stderr);
 }
 
-/// Lists, ranges and `all` where several nodes are meant.
+/// Options for several nodes take lists, ranges and `all`.
 #[test]
 fn nodes_are_written_as_lists_and_ranges() {
     let lines = |args: &[&str]| run(&[&["decode", CAPTURE], args].concat()).stdout.lines().count();
@@ -54,7 +54,7 @@ fn nodes_are_written_as_lists_and_ranges() {
     }
 }
 
-/// `-` is standard output, and never a file of that name.
+/// `-` is standard output, never a file of this name.
 #[test]
 fn a_dash_is_standard_output() {
     let folder = tempfile::tempdir().unwrap();
@@ -86,12 +86,12 @@ fn times_are_those_of_a_zone() {
     let mut local = crate::running::command(&["decode", CAPTURE, "--time", "local"]);
     let shown = crate::running::finished(local.env("TZ", "Europe/Berlin").output().unwrap());
     assert!(shown.stdout.starts_with("2025-01-28T11:47:15.000000000+01:00  can0"), "{}", shown.stdout);
-    // What is shown can be asked for.
+    // A time in the form that the program prints is accepted as an option.
     let from = run(&["decode", CAPTURE, "--from", "2025-01-28T11:47:15.000000000+01:00", "--time", "utc"]);
     assert!(from.stdout.starts_with("2025-01-28T10:47:15.000000000Z  can0"), "{}", from.stdout);
 }
 
-/// A span is written the same way wherever one is, and a number alone counts seconds.
+/// Every option for a span takes the same units, and a number alone means seconds.
 #[test]
 fn waits_have_units() {
     for args in [

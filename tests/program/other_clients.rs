@@ -1,4 +1,4 @@
-//! A controller that polls the device while it is tested: three ends of SLCAN, and a hub that makes one bus of them.
+//! A controller polls the device during the test: three SLCAN connections, and a hub that makes one bus of them.
 
 use crate::running::{Run, command, finished};
 use std::io::{Read, Write};
@@ -8,7 +8,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::time::Duration;
 
-/// Forwards each frame of one end to the others, and answers commands as an adapter does.
+/// Forwards each frame of one connection to the others, and answers commands as an adapter does.
 struct Hub {
     address: SocketAddr,
 }
@@ -44,7 +44,7 @@ fn serve(number: usize, mut stream: TcpStream, ends: &Mutex<Vec<TcpStream>>) {
             }
             let line = std::mem::take(&mut line);
             let is_frame = matches!(line[0], b't' | b'T' | b'r' | b'R');
-            // One that has gone need not hear it.
+            // A connection may have been closed.
             for (other, end) in ends.lock().unwrap().iter_mut().enumerate() {
                 let heard = if other == number { if is_frame { b"z\r" } else { &b"\r"[..] } } else { &line[..] };
                 let _ = (is_frame || other == number).then(|| end.write_all(heard));
@@ -53,7 +53,7 @@ fn serve(number: usize, mut stream: TcpStream, ends: &Mutex<Vec<TcpStream>>) {
     }
 }
 
-/// A client that reads three objects in turn, one each 20 ms, and takes no notice of the answers.
+/// A client that reads three objects in turn, one every 20 ms, and ignores the answers.
 struct Controller(Arc<AtomicBool>);
 
 impl Controller {
@@ -90,7 +90,7 @@ impl Device {
         let mut command = command(&["simulate", model, &hub.bus(), "--node", "63"]);
         let child = command.stdin(Stdio::null()).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
         let device = Self(child);
-        // Its start is over when it answers.
+        // The device has started when it answers.
         let mut stream = TcpStream::connect(hub.address).unwrap();
         stream.set_read_timeout(Some(Duration::from_millis(100))).unwrap();
         let (mut heard, mut bytes) = (Vec::new(), [0; 4096]);
@@ -115,7 +115,7 @@ impl Drop for Device {
     }
 }
 
-/// A run beside the controller, with more arguments.
+/// A run while the controller polls the device, with more arguments.
 fn tested(model: &str, more: &[&str]) -> Run {
     let hub = Hub::start();
     let _device = Device::start(model, &hub);
@@ -125,13 +125,13 @@ fn tested(model: &str, more: &[&str]) -> Run {
     finished(command(&[&args, more].concat()).stdin(Stdio::null()).output().unwrap())
 }
 
-/// The cases that ended so, each with its reason.
+/// The cases with this verdict, each with its reason.
 fn ending(document: &serde_json::Value, verdict: &str) -> Vec<String> {
     let ending = document["cases"].as_array().unwrap().iter().filter(|case| case["verdict"] == verdict);
     ending.map(|case| format!("{} {}", case["id"], case["reason"])).collect()
 }
 
-/// The whole suite, in parts that run at the same time, each on a bus of its own.
+/// Runs the whole suite in parts at the same time, each on a bus of its own.
 fn whole_suite(model: &'static str) {
     const PARTS: usize = 8;
     let runs: Vec<_> = (1..=PARTS)
@@ -165,7 +165,7 @@ fn an_encoder_that_is_polled_fails_nothing() {
     whole_suite("kuebler-sendix-58x8");
 }
 
-/// A device is not reset under a running controller, unless its user says so.
+/// While a controller runs, the device is not reset, unless the user allows it.
 #[test]
 fn a_device_that_others_use_is_left_alone() {
     let run = tested("reference-301", &["--select", "301/nmt"]);

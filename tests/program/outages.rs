@@ -1,5 +1,5 @@
-//! The way to the bus is interrupted while a command runs: it goes on when the way is back, and keeps what it has found, also
-//! when the way does not come back.
+//! The connection to the bus is interrupted while a command runs: the command continues when the connection is back,
+//! and keeps its results even if the connection does not come back.
 
 use crate::live::Device;
 use crate::proxy::Proxy;
@@ -9,16 +9,16 @@ use std::path::Path;
 use std::process::{Child, Stdio};
 use std::time::Duration;
 
-/// From a moment that a device need not notice to a gateway that starts again.
+/// Durations of interruptions, from a moment that the device may not notice to the restart of a gateway.
 const SPANS: [Duration; 3] = [Duration::from_millis(300), Duration::from_millis(1_200), Duration::from_secs(5)];
 
-/// A fault that shows at once, with the frames that show it and the line of the last of them.
+/// A fault that shows at once, with the frames that show it and the SLCAN line of the last of these frames.
 const FAULT: &str = "sdo-toggle-unchecked";
 const REPRODUCER: &str =
     "# canvass fuzz: PROP-02\n(0.000000) can0 60A#4010200000000000\n(0.100000) can0 60A#7000000000000000\n";
 const LAST_FRAME: &str = "t60A87000000000000000";
 
-/// A device behind a way that can be cut.
+/// A device behind a connection that can be cut.
 struct Bench {
     device: Device,
     proxy: Proxy,
@@ -37,14 +37,14 @@ impl Bench {
         self.folder.path().join(name).display().to_string()
     }
 
-    /// Starts a command; `BUS` is the bus.
+    /// Starts a command; the argument `BUS` stands for the bus.
     fn start(&self, args: &[&str]) -> Child {
         let bus = self.proxy.bus();
         let args: Vec<&str> = args.iter().map(|arg| if *arg == "BUS" { &*bus } else { arg }).collect();
         command(&args).stdin(Stdio::null()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap()
     }
 
-    /// Starts the fuzzer with a sequence that shows the fault, and waits until that was repeated.
+    /// Starts the fuzzer with a sequence that shows the fault, and waits until the fuzzer has repeated it.
     fn start_fuzz(&self, more: &[&str]) -> Child {
         let regressions = self.path("regressions.log");
         std::fs::write(&regressions, REPRODUCER).unwrap();
@@ -64,7 +64,7 @@ fn json(run: &Run) -> Value {
     serde_json::from_str(&run.stdout).unwrap_or_else(|error| panic!("{error}: {}{}", run.stdout, run.stderr))
 }
 
-/// Does the same for each span, on a bench of its own.
+/// Runs `act` for each span, each time on a bench of its own.
 fn for_each_span(faults: &[&str], act: impl Fn(&Bench, Duration) + Sync) {
     std::thread::scope(|scope| {
         for span in SPANS {
@@ -74,7 +74,7 @@ fn for_each_span(faults: &[&str], act: impl Fn(&Bench, Duration) + Sync) {
     });
 }
 
-/// What was interrupted, and how long: from the cut until the adapter was open again.
+/// Checks the report of one interruption: it lasts from the cut until the adapter was open again.
 fn was_interrupted(interruptions: &Value, span: Duration) {
     assert_eq!((&interruptions["count"], &interruptions["over"]), (&1.into(), &true.into()), "{interruptions}");
     let lasted = Duration::from_nanos(interruptions["duration_ns"].as_u64().unwrap());
@@ -104,13 +104,13 @@ fn fuzz_goes_on_and_keeps_what_it_had_found() {
     });
 }
 
-/// A healthy device is not blamed, however often the way to it breaks.
+/// A healthy device gets no violation, however often the connection is interrupted.
 #[test]
 fn fuzz_blames_no_device_for_its_bus() {
     let bench = Bench::new(&[]);
     let args = ["fuzz", "BUS", "--node", "10", "--device", "reference-301", "--seed", "5", "--for", "20s"];
     let fuzz = bench.start(&[&args[..], &["--format", "json"]].concat());
-    // The first one comes while the device is read, before anything is judged.
+    // The first interruption comes while the device is read, before anything is judged.
     for milliseconds in [100, 40, 700, 5, 250, 1_100] {
         bench.proxy.wait_for_lines(60);
         bench.proxy.cut_for(Duration::from_millis(milliseconds));
@@ -147,7 +147,7 @@ fn fuzz_reports_what_it_has_found_when_the_bus_does_not_come_back() {
     }
 }
 
-/// Two reports have no room: the others are there, and so are the files of what was found.
+/// Two reports can't be written because the disk is full: the others are written, and so are the reproducers.
 #[cfg(target_os = "linux")]
 #[test]
 fn what_fuzz_has_found_is_kept_though_the_disk_is_full() {
@@ -167,7 +167,7 @@ fn what_fuzz_has_found_is_kept_though_the_disk_is_full() {
     assert_eq!(std::fs::read_dir(&found).unwrap().count(), 1);
 }
 
-/// This end is the adapter, and the device's end the client that comes back.
+/// The fuzzer is the adapter; the simulated device is the client that reconnects.
 #[test]
 fn fuzz_waits_for_its_client_to_come_back() {
     let address = std::net::TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
@@ -194,11 +194,12 @@ fn fuzz_waits_for_its_client_to_come_back() {
     assert!(report["interruptions"]["count"].as_u64().unwrap() >= 1, "{report:#}");
 }
 
-/// The first two of these cases find the fault; the others come after them.
+/// Selects cases. The first two find the fault; the others run after them.
 const CASES: [&str; 2] = ["--select", "301/sdo/download/second-toggle,301/sdo/download/segment-toggle,301/sdo/upload"];
 
 impl Bench {
-    /// Starts the cases, and waits until the first two are over: each begins with a reset, and ends with one at most.
+    /// Starts the cases, and waits until the first two are over: each begins with a reset, and ends with at most one
+    /// more.
     fn start_test(&self, more: &[&str]) -> Child {
         let args = ["test", "BUS", "--node", "10", "--device", "reference-301", "--format", "json"];
         let child = self.start(&[&args[..], &CASES, more].concat());
@@ -231,7 +232,7 @@ fn test_judges_what_comes_before_and_after() {
         assert_eq!(report["host"]["interruptions"], 1);
         let lasted = Duration::from_nanos(report["host"]["interrupted_ns"].as_u64().unwrap());
         assert!(lasted + Duration::from_millis(50) >= span, "{span:?}: {lasted:?}");
-        // What nobody had stored is as it was, and no journal is left.
+        // Unstored values are as before, and no journal is left.
         let read = run(&["sdo", "read", &bench.device.bus, "10", "1017"]);
         assert!(read.stdout.contains("= 1000"), "{}{}", read.stdout, read.stderr);
         assert!(!Path::new(&journal).exists());
@@ -258,13 +259,13 @@ fn test_ends_with_its_report_when_the_bus_does_not_come_back() {
     assert!(last["reason"]["actual"].as_str().unwrap().contains("was not back within"), "{last:#}");
 }
 
-/// Frames of node 10 in a candump log, with their times in seconds.
+/// The times of node 10's heartbeats in a candump log, in seconds.
 fn heartbeats(log: &str) -> Vec<f64> {
     let lines = log.lines().filter(|line| line.contains("70A#"));
     lines.map(|line| line.trim_start_matches('(').split(')').next().unwrap().parse().unwrap()).collect()
 }
 
-/// A heartbeat each 50 ms.
+/// The SLCAN line that sets the heartbeat time of node 10 to 50 ms.
 const HEARTBEAT: &str = "t60A82B17100032000000";
 
 #[test]
@@ -352,7 +353,7 @@ fn from_device_asks_again_what_was_interrupted() {
     bench.proxy.cut_for(Duration::from_millis(1_200));
     let read = ended(read);
     assert_eq!((whole.status, read.status), (0, 0), "{}", read.stderr);
-    // The two were made at different times.
+    // The two descriptions were made at different times.
     let undated = |text: &str| -> Vec<String> {
         text.lines().filter(|line| !line.contains("Time=") && !line.contains("Date=")).map(str::to_owned).collect()
     };

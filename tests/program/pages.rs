@@ -1,17 +1,17 @@
-//! What the documentation shows of a terminal is what the program prints.
+//! The terminal sessions in the documentation agree with the program.
 
 use std::path::Path;
 use std::process::{Command, Stdio};
 
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 
-/// A command with the lines that are shown below it.
+/// A command with the output shown below it.
 struct Shown {
     command: String,
     lines: Vec<String>,
 }
 
-/// The commands of a page that show what they print.
+/// The commands of a page that are shown with output.
 fn shown(page: &str) -> Vec<Shown> {
     let mut all: Vec<Shown> = Vec::new();
     for block in page.split("\n```").skip(1).step_by(2).filter(|block| block.contains("\n$ canvass")) {
@@ -26,7 +26,7 @@ fn shown(page: &str) -> Vec<Shown> {
     all
 }
 
-/// What the commands print in a folder that has the samples; a simulated encoder stands in for a device on vcan0.
+/// The output of a command in a folder that has the samples; a simulated encoder stands in for a device on vcan0.
 fn printed(folder: &Path, command: &str) -> String {
     let program = Path::new(env!("CARGO_BIN_EXE_canvass")).parent().unwrap();
     let path = format!("{}:{}", program.display(), std::env::var("PATH").unwrap());
@@ -37,7 +37,7 @@ fn printed(folder: &Path, command: &str) -> String {
     String::from_utf8([ended.stdout, ended.stderr].concat()).unwrap()
 }
 
-/// A line without the time of its frame: what comes before it may take longer one day.
+/// A line without the time of its frame, which a later version may change.
 fn timeless(line: &str) -> String {
     let is_time = |text: &str| text.len() > 9 && text.chars().all(|c| c.is_ascii_digit() || c == '.');
     match line.split_once('(').and_then(|(before, rest)| Some((before, rest.split_once(") ")?))) {
@@ -46,7 +46,7 @@ fn timeless(line: &str) -> String {
     }
 }
 
-/// Each line that is shown is printed, one after the other; `…` stands for others.
+/// Checks that the program prints the shown lines in their order; `…` stands for further lines.
 fn check(page: &str, folder: &Path, at_least: usize) {
     let text = std::fs::read_to_string(Path::new(ROOT).join(page)).unwrap();
     let mut lines = 0;

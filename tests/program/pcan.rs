@@ -1,5 +1,5 @@
-//! Every command that takes a bus, on a channel of PEAK's library: a stand-in for that library, behind which is a simulated
-//! device in another process.
+//! Every command that takes a bus works on a channel of PEAK's library. A stand-in for that library connects to a
+//! simulated device in another process.
 #![cfg(any(windows, target_os = "linux"))]
 
 use crate::live::Device;
@@ -12,15 +12,15 @@ use tempfile::TempDir;
 const ROOT: &str = env!("CARGO_MANIFEST_DIR");
 const BUS: &str = "pcan:PCAN_USBBUS1@250k";
 
-/// A place at which programs find the library, and with it what is behind it.
+/// A folder with the stand-in library, and the bus to which it connects.
 struct Installed {
     folder: TempDir,
-    /// Of TCP, on this machine.
+    /// The local TCP port of the bus.
     port: String,
 }
 
 impl Installed {
-    /// Behind the channel is what `slcan:tcp://HOST:PORT` is.
+    /// Connects the channel to the bus `slcan:tcp://HOST:PORT`.
     fn before(bus: &str) -> Self {
         let folder = tempfile::tempdir().unwrap();
         install(folder.path());
@@ -35,7 +35,7 @@ impl Installed {
         command
     }
 
-    /// Windows looks for libraries beside the program.
+    /// Windows looks for libraries in the folder of the program.
     fn program(&self) -> PathBuf {
         let built = PathBuf::from(env!("CARGO_BIN_EXE_canvass"));
         if !cfg!(windows) {
@@ -53,7 +53,7 @@ impl Installed {
     }
 }
 
-/// Compiled here; for Windows it was compiled before, as there is no compiler under Wine.
+/// Compiles the stand-in. For Windows it was compiled before, as there is no compiler under Wine.
 fn install(folder: &Path) {
     if cfg!(windows) {
         std::fs::copy(format!("{ROOT}/target/windows/PCANBasic.dll"), folder.join("PCANBasic.dll")).unwrap();
@@ -69,7 +69,7 @@ fn json(run: &Run) -> Value {
     serde_json::from_str(&run.stdout).unwrap_or_else(|error| panic!("{error}: {}{}", run.stdout, run.stderr))
 }
 
-/// The device behind SLCAN takes one client after the other, and needs a moment for that.
+/// The device behind SLCAN takes one client after the other, and needs a moment between them.
 #[test]
 fn a_device_is_found_asked_commanded_and_recorded() {
     let device = Device::of("kuebler-sendix-58x8", &[]);
@@ -109,7 +109,7 @@ fn a_device_is_tested_and_attacked() {
     assert!(json(&fuzzed)["executions"].as_u64() > Some(0), "{}", fuzzed.stderr);
 }
 
-/// The other way round: the simulated device is at the adapter, and whoever sees it behind the library.
+/// The reverse setup: the simulated device uses the library, and `monitor` is at the other end.
 #[test]
 fn a_simulated_device_is_at_the_adapter() {
     let address = std::net::TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap().to_string();
@@ -123,7 +123,7 @@ fn a_simulated_device_is_at_the_adapter() {
     };
     let mut simulating = simulate();
     while watching.try_wait().unwrap().is_none() {
-        // Nobody listened yet.
+        // `monitor` did not listen yet, so that the simulation ended.
         if simulating.try_wait().unwrap().is_some() {
             simulating = simulate();
         }
@@ -152,7 +152,7 @@ fn the_doctor_and_errors_say_what_there_is() {
         let wrong = pcan.run(&["scan", bus]);
         assert_eq!((wrong.status, wrong.stderr.contains(says)), (status, true), "{bus}: {}", wrong.stderr);
     }
-    // Where nothing is installed.
+    // Without the library, the program reports that it is missing.
     let missing = crate::running::run(&["scan", BUS]);
     assert!(missing.status == 3 && missing.stderr.contains("PCAN-Basic"), "{}", missing.stderr);
     let doctor = crate::running::run(&["doctor"]).stdout;

@@ -1,4 +1,4 @@
-//! How far a long reading is, for those who wait for it.
+//! The progress of reading a long capture.
 
 use crate::running::command;
 use std::fs::File;
@@ -7,7 +7,7 @@ use std::process::{Child, Stdio};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-/// A capture whose frames, as text, are more than a pipe holds, and which is read in several pieces.
+/// A capture whose text output is larger than a pipe, and which is read in several pieces.
 fn long_capture(folder: &tempfile::TempDir) -> String {
     let path = folder.path().join("long.log");
     let mut file = std::io::BufWriter::new(File::create(&path).unwrap());
@@ -17,7 +17,7 @@ fn long_capture(folder: &tempfile::TempDir) -> String {
     path.display().to_string()
 }
 
-/// Reads all that comes, until its writers are gone.
+/// Reads everything until all writers have closed.
 fn drain(mut from: impl Read + Send + 'static) -> JoinHandle<String> {
     std::thread::spawn(move || {
         let (mut bytes, mut chunk) = (Vec::new(), [0; 4096]);
@@ -29,11 +29,11 @@ fn drain(mut from: impl Read + Send + 'static) -> JoinHandle<String> {
     })
 }
 
-/// What stands on standard error of a program whose standard output nobody reads for longer than it takes until progress is
-/// shown: however fast the machine is, the program can't be done before.
+/// The standard error of a program whose standard output is not read until the progress must have appeared: even on a
+/// fast machine the program can't finish before.
 fn behind_a_slow_reader(args: &[&str], stderr: Stdio, seen: impl FnOnce(&mut Child) -> JoinHandle<String>) -> String {
     let mut child = {
-        // What it holds of a terminal goes with it.
+        // Dropping the command closes its handles of the terminal.
         let mut command = command(args);
         command.stdin(Stdio::null()).stdout(Stdio::piped()).stderr(stderr).spawn().unwrap()
     };
@@ -44,7 +44,7 @@ fn behind_a_slow_reader(args: &[&str], stderr: Stdio, seen: impl FnOnce(&mut Chi
     seen.join().unwrap()
 }
 
-/// What a terminal gets on standard error.
+/// The standard error of a program on a terminal.
 fn on_terminal(args: &[&str]) -> String {
     let terminal = nix::pty::openpty(None, None).unwrap();
     let (slave, master) = (terminal.slave, File::from(terminal.master));
@@ -57,7 +57,7 @@ fn a_long_reading_tells_rate_and_time_left_on_a_terminal_only() {
     let path = long_capture(&folder);
     let seen = on_terminal(&["decode", &path]);
     assert!(seen.contains(" MB/s, ") && seen.contains(" s left") && seen.contains(" MB ("), "{seen:?}");
-    // The line is taken away at the end.
+    // The progress line is cleared at the end.
     assert!(seen.trim_end().ends_with("\x1b[K"), "{seen:?}");
     let unseen = behind_a_slow_reader(&["decode", &path], Stdio::piped(), |child| drain(child.stderr.take().unwrap()));
     assert!(!unseen.contains("left") && !unseen.contains('\r'), "{unseen}");

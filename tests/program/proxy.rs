@@ -1,4 +1,5 @@
-//! A way over TCP to an SLCAN adapter, which can be cut and restored: a gateway that starts again, a cable that is pulled.
+//! A TCP connection to an SLCAN adapter that can be cut and restored, like a gateway that restarts or a cable that is
+//! pulled.
 
 #![cfg_attr(not(unix), allow(dead_code, reason = "what cuts the way needs signals"))]
 
@@ -7,25 +8,25 @@ use std::net::{Shutdown, SocketAddr, TcpListener, TcpStream};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// A way that leads to an adapter as long as this process lives.
+/// A TCP proxy before an adapter, which runs as long as this process lives.
 #[derive(Clone)]
 pub struct Proxy {
-    /// Where a program connects to it.
+    /// The address to which a program connects.
     pub address: SocketAddr,
     way: Arc<Mutex<Way>>,
 }
 
 struct Way {
     is_cut: bool,
-    /// Both ends of the connections that there are.
+    /// Both ends of all open connections.
     ends: Vec<TcpStream>,
     adapter: Option<TcpStream>,
-    /// What programs have sent, all of it.
+    /// All bytes that programs have sent.
     sent: Vec<u8>,
 }
 
 impl Proxy {
-    /// To the adapter at that address.
+    /// Starts a proxy for the adapter with this address.
     pub fn start(adapter: SocketAddr) -> io::Result<Self> {
         let listener = TcpListener::bind("127.0.0.1:0")?;
         let way = Way { is_cut: false, ends: Vec::new(), adapter: None, sent: Vec::new() };
@@ -33,14 +34,14 @@ impl Proxy {
         let serving = proxy.clone();
         std::thread::spawn(move || {
             for program in listener.incoming().flatten() {
-                // Without an adapter the program is hung up on.
+                // If the adapter is not available, the connection of the program is closed.
                 let _ = serving.connect(program, adapter);
             }
         });
         Ok(proxy)
     }
 
-    /// As a program names it.
+    /// The bus address of the proxy.
     pub fn bus(&self) -> String {
         format!("slcan:tcp://{}", self.address)
     }
@@ -66,7 +67,7 @@ impl Proxy {
         Ok(())
     }
 
-    /// Carries bytes from one end to the other until either is closed.
+    /// Copies bytes from one end to the other until either is closed.
     fn carry(&self, mut from: TcpStream, mut to: TcpStream, is_sent: bool) {
         let mut bytes = [0; 4096];
         while let Ok(read @ 1..) = from.read(&mut bytes) {
@@ -78,23 +79,23 @@ impl Proxy {
                 break;
             }
         }
-        // Who hangs up hangs up for the other end, too.
+        // A disconnection of one end is passed on to the other.
         let _ = to.shutdown(Shutdown::Both);
         let _ = from.shutdown(Shutdown::Both);
     }
 
-    /// Cuts the way; whoever connects is hung up on.
+    /// Cuts the connections; new ones are closed at once.
     pub fn cut(&self) {
         let mut way = self.way();
         way.is_cut = true;
         way.adapter = None;
         for end in way.ends.drain(..) {
-            // One that is closed already is as good.
+            // The end may be closed already.
             let _ = end.shutdown(Shutdown::Both);
         }
     }
 
-    /// Cuts the way for that long.
+    /// Cuts the connections for this time.
     pub fn cut_for(&self, span: Duration) {
         self.cut();
         std::thread::sleep(span);
@@ -107,7 +108,7 @@ impl Proxy {
         adapter.map_or(Ok(()), |mut adapter| adapter.write_all(format!("{line}\r").as_bytes()))
     }
 
-    /// How many lines programs have sent so far.
+    /// Number of lines that programs have sent so far.
     pub fn lines(&self) -> usize {
         self.way().sent.iter().filter(|&&byte| byte == b'\r').count()
     }
@@ -117,7 +118,7 @@ impl Proxy {
         String::from_utf8_lossy(&self.way().sent).matches(text).count() >= times
     }
 
-    /// What programs have sent in lines that begin so, without that begin.
+    /// The lines from programs that begin with this text, without it.
     pub fn frames(&self, begin: &str) -> Vec<String> {
         let sent = String::from_utf8_lossy(&self.way().sent).into_owned();
         sent.split('\r').filter_map(|line| line.strip_prefix(begin)).map(str::to_owned).collect()
@@ -129,7 +130,7 @@ impl Proxy {
         self.wait(&format!("{more} more lines"), || self.lines() >= goal);
     }
 
-    /// Waits until something is the case.
+    /// Waits until the condition holds.
     pub fn wait(&self, what: &str, is_so: impl Fn() -> bool) {
         let begun = Instant::now();
         while !is_so() {

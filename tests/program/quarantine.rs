@@ -1,4 +1,4 @@
-//! Flaky cases that do not count until a day.
+//! Flaky cases in quarantine do not count before its last day has passed.
 
 use crate::running::run;
 use serde_json::Value;
@@ -8,7 +8,7 @@ const CASE: &str = "301/boot-up/reset-node";
 const FILE: &str =
     "[[quarantine]]\ncase = \"301/boot-up/reset-node\"\nowner = \"Ann\"\nreason = \"ticket 12\"\nuntil = 2027-06-30\n";
 
-/// A run on that day, with reports in every format; its status and the reports.
+/// A run on this day, with reports in every format: its exit status, its output and the reports.
 fn tested(day: &str) -> (i32, String, [String; 4]) {
     let folder = tempfile::tempdir().unwrap();
     let waivers = folder.path().join("waivers.toml").display().to_string();
@@ -52,7 +52,7 @@ fn a_quarantine_that_is_over_holds_nothing() {
     assert!(!json.contains("\"quarantine\": {"), "{json}");
 }
 
-/// A comparison, too, shows it and does not fail for it; with `--fail-fast` the run goes on.
+/// A comparison shows a case in quarantine too, and does not fail for it; with `--fail-fast` the run goes on.
 #[test]
 fn what_is_in_quarantine_is_no_regression() {
     let folder = tempfile::tempdir().unwrap();

@@ -3,7 +3,7 @@
 use crate::running::run;
 use serde_json::Value;
 
-/// A page, and how the entry of an id begins.
+/// A page, and the text with which the entry of an id begins.
 struct Reference {
     what: &'static str,
     entry: fn(&str) -> String,
@@ -21,7 +21,7 @@ fn ids(what: &str) -> Vec<String> {
     listed.as_array().unwrap().iter().map(|row| row["id"].as_str().unwrap().to_owned()).collect()
 }
 
-/// The words of an entry: up to the next one, or to the next heading.
+/// The text of an entry, up to the next entry or the next heading.
 fn body(rest: &str) -> &str {
     let end = ["\n- **`", "\n#", "\n| `"].iter().filter_map(|next| rest.find(next)).min().unwrap_or(rest.len());
     &rest[..end]
@@ -41,7 +41,7 @@ fn everything_that_is_listed_has_one_entry_with_a_text() {
     }
 }
 
-/// The table at the top leads to each rule: GitHub and mdBook leave the slash out of the name of a heading.
+/// The table at the top links to each rule: GitHub and mdBook omit the slash from the anchor of a heading.
 #[test]
 fn the_table_of_a_handbook_links_to_its_headings() {
     for what in ["rules", "eds-rules"] {

@@ -1,32 +1,32 @@
-//! SLCAN adapters behind TCP that do what no adapter and no device does. `cargo xtask attack` uses them too.
+//! SLCAN adapters behind TCP that misbehave in ways of no real adapter or device. `cargo xtask attack` uses them too.
 
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream};
 use std::time::Duration;
 
-/// What an adapter does once its channel is open.
+/// The behaviour of an adapter once its channel is open.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Rogue {
-    /// Nothing at all, not even to commands.
+    /// Sends nothing, not even answers to commands.
     Silent,
-    /// Bytes that are no lines of the protocol.
+    /// Sends bytes that are no lines of the protocol.
     Garbage,
-    /// Lines of which each is cut in half.
+    /// Sends only the first half of each line.
     HalfLines,
-    /// Frames of node 5 as fast as they go.
+    /// Sends frames of node 5 as fast as possible.
     Flood,
-    /// It boots, and answers each SDO request with rubbish.
+    /// Simulates a node that boots, and answers each SDO request with rubbish.
     Nonsense,
-    /// It boots, and each upload is one of segments that hold nothing and never end.
+    /// Simulates a node that boots, and answers each upload with empty segments without end.
     Endless,
-    /// It boots, and announces 4 GiB of each object, which it would deliver.
+    /// Simulates a node that boots, announces 4 GiB for each object, and would deliver them.
     Huge,
     /// Closes the connection in the middle of a frame, each time.
     Closing,
 }
 
 impl Rogue {
-    /// All of them.
+    /// All behaviours.
     pub const ALL: [Self; 8] = [
         Self::Silent,
         Self::Garbage,
@@ -38,13 +38,13 @@ impl Rogue {
         Self::Closing,
     ];
 
-    /// Starts one that serves whoever connects as long as this process lives.
+    /// Starts an adapter that serves every connection as long as this process lives.
     pub fn start(self) -> std::io::Result<SocketAddr> {
         let listener = TcpListener::bind("127.0.0.1:0")?;
         let address = listener.local_addr()?;
         std::thread::spawn(move || {
             for stream in listener.incoming().flatten() {
-                // A client that goes away ends it; the next one begins anew.
+                // The adapter begins anew with the next client.
                 let _ = self.serve(stream);
             }
         });
@@ -88,7 +88,7 @@ impl Rogue {
             (Self::Silent, _) => Ok(()),
             (_, b"t00028105" | b"t00028205") => stream.write_all(b"\rt705100\r"),
             (Self::Nonsense, [b't', b'6', b'0', b'5', ..]) => stream.write_all(b"\rt5858EEEEEEEEEEEEEEEE\r"),
-            // An upload begins; its segments hold nothing, or all that they can, and are not the last.
+            // An upload begins; its segments are empty or full, and none is the last.
             (Self::Endless | Self::Huge, [b't', b'6', b'0', b'5', _, b'4', b'0', object @ ..]) => {
                 let object = String::from_utf8_lossy(object.get(..6).unwrap_or_default()).into_owned();
                 let (begin, size) = if self == Self::Huge { ("41", "FFFFFFFF") } else { ("40", "00000000") };

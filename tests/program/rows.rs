@@ -33,7 +33,7 @@ fn a_table_has_a_header_and_rules() {
     assert!(lines[0].starts_with("time         │ channel │ id  │ data"), "{}", lines[0]);
     assert!(lines[1].chars().all(|c| matches!(c, '─' | '┼')), "{}", lines[1]);
     assert!(lines[2].ends_with("│   63 │ boot-up     │ boot-up"), "{}", lines[2]);
-    // Nothing is cut where no terminal is.
+    // Without a terminal no cell is cut.
     assert!(decoded.stdout.contains("Number of mapped application objects") && !decoded.stdout.contains('…'));
 }
 

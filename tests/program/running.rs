@@ -1,9 +1,9 @@
-//! Running the program as a user does.
+//! Runs the program as a user does.
 
 use std::io::{ErrorKind, Write};
 use std::process::{Command, Output, Stdio};
 
-/// What a run left behind.
+/// The result of a run.
 pub struct Run {
     pub status: i32,
     pub stdout: String,
@@ -17,7 +17,7 @@ pub fn command(args: &[&str]) -> Command {
     command
 }
 
-/// Ctrl-C. Says whether it could be pressed.
+/// Presses Ctrl-C; returns whether that was possible.
 #[cfg(unix)]
 pub fn interrupt(child: &std::process::Child) -> bool {
     Command::new("kill").args(["-INT", &child.id().to_string()]).status().is_ok()
@@ -27,11 +27,11 @@ pub fn run(args: &[&str]) -> Run {
     finished(command(args).stdin(Stdio::null()).output().unwrap())
 }
 
-/// Runs with a text on standard input.
+/// Runs the program with a text on standard input.
 pub fn run_with_input(args: &[&str], input: &str) -> Run {
     let mut child = command(args).stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     let written = child.stdin.take().unwrap().write_all(input.as_bytes());
-    // A program that ends for another reason need not read.
+    // A program that ends for another reason need not read its input.
     if let Err(error) = written {
         assert_eq!(error.kind(), ErrorKind::BrokenPipe);
     }

@@ -1,11 +1,11 @@
-//! What the commands print is as the JSON Schemas in `docs/schemas` say.
+//! The outputs of the commands follow the JSON Schemas in `docs/schemas`.
 
 use crate::running::run;
 use jsonschema::Validator;
 use serde_json::Value;
 use std::path::Path;
 
-/// The schema of the contract that a document names.
+/// The validator of the contract that a document names.
 fn validator(contract: &str) -> Validator {
     let name = contract.trim_start_matches("canvass/").replace('/', "-");
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join(format!("docs/schemas/{name}.json"));
@@ -13,7 +13,7 @@ fn validator(contract: &str) -> Validator {
     jsonschema::validator_for(&serde_json::from_str(&schema).unwrap()).unwrap()
 }
 
-/// Holds each document to the schema that the first one names, and gives them.
+/// Validates each document against the schema that the first document names, and returns the documents.
 fn holds(command: &[&str]) -> Vec<Value> {
     let ended = run(command);
     let documents: Result<Vec<Value>, _> = serde_json::Deserializer::from_str(&ended.stdout).into_iter().collect();
@@ -71,7 +71,7 @@ fn captures_and_descriptions_are_as_their_schemas_say() {
     holds(&["eds", "check", "analyzer/tests/eds/list-count.eds", "--format", "json"]);
 }
 
-/// A validator that accepts everything would prove nothing.
+/// The validators refuse wrong documents; otherwise the tests would prove nothing.
 #[test]
 fn what_lacks_a_member_or_has_another_type_is_refused() {
     let result = &holds(&["test", "sim:reference-301", "--select", "301/nmt/back-to-back", "--format", "json"])[0];

@@ -1,4 +1,4 @@
-//! `canvass.toml` and `CANVASS_BUS`: what holds without a word on the command line.
+//! `canvass.toml` and `CANVASS_BUS`: settings that hold without options on the command line.
 
 use crate::running::{Run, command, finished, run};
 use serde_json::Value;
@@ -15,7 +15,7 @@ sdo = "2s"
 "bus/load.percent" = 70
 "#;
 
-/// A folder with that file, and one below it.
+/// A folder with this file, and a folder below it.
 fn project(text: &str) -> (TempDir, PathBuf) {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("canvass.toml"), text).unwrap();
@@ -51,10 +51,10 @@ fn settings_are_found_from_folders_below() {
 #[test]
 fn what_is_typed_has_precedence() {
     let (_folder, below) = project(SETTINGS);
-    // Another bus has another device: the node of the file's bus is not its.
+    // The node of the file belongs to the file's bus; another bus has another device.
     let other = document(&run_in(&below, &[&["test", "sim:reference-301"], &CASE[..]].concat()));
     assert_eq!((&other["bus"], &other["node"]), (&"sim:reference-301".into(), &10.into()));
-    // One wait leaves the others as the file has them.
+    // A typed timeout replaces only its own value of the file.
     let waits = document(&run_in(&below, &[&["test", "--timeout", "silence=300ms"], &CASE[..]].concat()));
     let options = waits["provenance"]["options"].as_array().unwrap();
     let timeout = options.iter().find(|option| option["name"] == "timeout").unwrap();
@@ -89,7 +89,7 @@ fn mistakes_are_told_with_their_line() {
         assert_eq!(wrong.status, 2, "{text}");
         assert!(wrong.stderr.contains(&format!("canvass.toml:{line}: ")), "{text}: {}", wrong.stderr);
         assert!(wrong.stderr.contains(problem), "{text}: {}", wrong.stderr);
-        // Who tests with it is told the same; who does not need it is not.
+        // Commands that use the settings report the error; other commands do not.
         assert_eq!(run_in(&below, &["test", "sim:reference-301"]).status, 2);
         assert_eq!(run_in(&below, &["list", "formats"]).status, 0);
     }
@@ -102,13 +102,13 @@ fn config_says_what_holds_and_whence() {
     assert_eq!(shown["schema"], "canvass/config/1");
     let settings = shown["settings"].as_array().unwrap();
     let of = |key: &str| settings.iter().find(|row| row["key"] == key).unwrap_or_else(|| panic!("{key}"));
-    // Windows has another form of paths for what is canonical.
+    // The canonical form of a path differs on Windows.
     let place = if cfg!(windows) { folder.path().to_owned() } else { folder.path().canonicalize().unwrap() };
     let path = place.join("canvass.toml").display().to_string();
     assert_eq!(of("node"), &serde_json::json!({ "key": "node", "value": "63", "from": format!("{path}:2") }));
     assert_eq!((&of("timeouts.sdo")["value"], &of("timeouts.silence")["from"]), (&"2s".into(), &"default".into()));
     assert_eq!(of("waivers")["from"], "not set");
-    // What is shown can be typed.
+    // The shown defaults can be typed as options.
     let usual: Vec<(&str, &str)> = shown["settings"]
         .as_array()
         .unwrap()

@@ -1,4 +1,4 @@
-//! Terminals that are narrow, that know no sequences, or that show nothing but ASCII.
+//! Terminals that are narrow, interpret no sequences, or show only ASCII.
 
 use crate::running::command;
 use nix::pty::{Winsize, openpty};
@@ -8,7 +8,7 @@ use std::process::Stdio;
 
 const CAPTURE: &str = "docs/examples/commissioning.log";
 
-/// The commands that people look at.
+/// Commands whose output people read.
 const COMMANDS: &[&[&str]] = &[
     &["test", "sim:kuebler-sendix-58x8+boot-up-twice", "--select", "301/boot-up,406/cams"],
     &["decode", CAPTURE, "--device", "63=kuebler-sendix-58x8"],
@@ -37,7 +37,7 @@ fn seen(columns: u16, variables: &[(&str, &str)], args: &[&str]) -> String {
     let (slave, mut master) = (terminal.slave, File::from(terminal.master));
     let mut child = {
         let mut command = command(args);
-        // What the tests are run with says nothing of this terminal.
+        // The variables of the test's own environment must not describe this terminal.
         for variable in ["LC_ALL", "LC_CTYPE", "LANG", "TERM", "COLUMNS", "CI", "CLICOLOR", "CLICOLOR_FORCE"] {
             command.env_remove(variable);
         }
@@ -55,7 +55,7 @@ fn seen(columns: u16, variables: &[(&str, &str)], args: &[&str]) -> String {
     reader.join().unwrap()
 }
 
-/// Without colours and without the progress, which lines take away again.
+/// The text without colours, and without the progress, which later lines overwrite.
 fn plain(text: &str) -> String {
     let lines = text.split('\n').map(|line| line.rsplit("\x1b[K").next().unwrap_or_default());
     let text = lines.collect::<Vec<_>>().join("\n");
@@ -70,7 +70,7 @@ const USUAL: [(&str, &str); 2] = [("TERM", "xterm-256color"), ("LC_ALL", "C.UTF-
 #[test]
 fn a_dumb_terminal_gets_no_sequences() {
     for args in COMMANDS {
-        // Pipelines, too, have terminals that know none.
+        // The variables of pipelines do not switch colours on for a dumb terminal.
         let variables = [("TERM", "dumb"), ("LC_ALL", "C.UTF-8"), ("CI", "true"), ("CLICOLOR_FORCE", "1")];
         let text = seen(100, &variables, args);
         assert!(!text.is_empty() && !text.contains('\x1b'), "{args:?}: {text:?}");
@@ -78,12 +78,12 @@ fn a_dumb_terminal_gets_no_sequences() {
     }
     let refused = seen(100, &[("TERM", "dumb")], &["monitor", "sim:reference-301", "--screen", "--for", "1s"]);
     assert!(refused.contains("--screen needs a terminal") && !refused.contains('\x1b'), "{refused:?}");
-    // Others get colours.
+    // Other terminals get colours.
     let colored = seen(100, &USUAL, COMMANDS[0]);
     assert!(colored.contains("\x1b[31m✗ fail"), "{colored:?}");
 }
 
-/// A terminal in the locale C shows ASCII; a pipe gets UTF-8 in any locale, as what reads it expects.
+/// A terminal in the locale C gets ASCII. A pipe gets UTF-8 in any locale, as the reading programs expect.
 #[test]
 fn a_terminal_in_the_locale_c_gets_ascii() {
     for args in COMMANDS {
@@ -95,7 +95,7 @@ fn a_terminal_in_the_locale_c_gets_ascii() {
     assert!(text.contains("x fail  301/boot-up/reset-node") && text.contains("| + pass "), "{text}");
     let piped = command(COMMANDS[0]).env("LC_ALL", "C").output().unwrap();
     assert!(String::from_utf8(piped.stdout).unwrap().contains("✗ fail"));
-    // LC_ALL goes before LANG, and nothing said is no C.
+    // LC_ALL precedes LANG, and without any variable the locale is not C.
     for variables in [&[("LANG", "C"), ("LC_ALL", "de_DE.UTF-8")][..], &[]] {
         assert!(seen(100, variables, COMMANDS[0]).contains("✗ fail"), "{variables:?}");
     }
@@ -114,7 +114,7 @@ fn tables_fit_on_sixty_columns() {
         }
     }
     assert!(tables > 60, "{tables}");
-    // Of a frame its time, its CAN-ID and its meaning are left.
+    // On narrow terminals, the table has only the time, CAN-ID, node and meaning of a frame.
     let table = plain(&seen(60, &USUAL, &["decode", CAPTURE, "--format", "table", "--time", "relative"]));
     assert!(table.starts_with("time         │ id  │ node │ meaning"), "{table}");
     let help = plain(&seen(60, &USUAL, &["test", "--help"]));
@@ -130,7 +130,7 @@ fn the_screen_has_a_row_for_each_can_id() {
         for told in ["CAN-IDs", "73F", "cycle", "boot-up"] {
             assert!(text.contains(told), "{columns}: {told}: {text:?}");
         }
-        // The terminal is given back.
+        // The program restores the terminal.
         assert!(text.contains("\x1b[?1049h") && text.contains("\x1b[?1049l"), "{text:?}");
     }
 }

@@ -1,11 +1,11 @@
-//! What never comes to its end, or never begins, is ended by the first signal.
+//! The first signal ends reading from inputs that never end or never begin.
 
 use crate::running::{command, finished};
 use std::path::Path;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// Runs a command, and sends it one signal after a moment; gives its status and what it said.
+/// Runs a command, and sends it a signal after a moment; returns its exit status and messages.
 fn signalled(args: &[&str], signal: &str) -> (i32, String) {
     let child = command(args).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     std::thread::sleep(Duration::from_millis(300));
@@ -17,7 +17,7 @@ fn signalled(args: &[&str], signal: &str) -> (i32, String) {
     (run.status, run.stderr)
 }
 
-/// Named pipes that nobody writes into: opening them alone would wait for ever.
+/// Nothing writes into the named pipe: even opening it would wait for ever.
 #[test]
 fn a_pipe_without_a_writer() {
     let folder = tempfile::tempdir().unwrap();
@@ -34,7 +34,7 @@ fn a_pipe_without_a_writer() {
     assert!(!out.exists());
 }
 
-/// A file of the kernel that calls itself regular and empty, and waits when all of it is read.
+/// A file of the kernel that claims to be regular and empty, and waits when it was read completely.
 #[test]
 fn a_file_of_the_kernel_that_waits() {
     let file = Path::new("/proc/kmsg");
@@ -46,7 +46,7 @@ fn a_file_of_the_kernel_that_waits() {
     assert!(!errors.contains("panic"), "{errors}");
 }
 
-/// What is written into a pipe comes out, as from standard input.
+/// Data written into a named pipe are decoded as from standard input.
 #[test]
 fn a_pipe_with_a_writer_is_read_to_its_end() {
     let folder = tempfile::tempdir().unwrap();

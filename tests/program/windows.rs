@@ -1,4 +1,4 @@
-//! What is different on Windows: paths, line ends, patterns of names, the console, and files that are open elsewhere.
+//! Differences of Windows: paths, line ends, wildcards, the console, and files that other programs have open.
 
 use crate::running::{command, finished, run};
 use std::fs;
@@ -9,7 +9,7 @@ use tempfile::TempDir;
 
 const LOG: &str = "(1700000000.000000) can0 701#05\r\n(1700000001.000000) can0 702#7F\r\n";
 
-/// A folder with two captures in it, whose lines end as those of Windows do.
+/// A folder with two captures that have line ends of Windows.
 fn captures() -> TempDir {
     let folder = tempfile::tempdir().unwrap();
     fs::create_dir(folder.path().join("Messungen für März")).unwrap();
@@ -29,7 +29,7 @@ fn paths_have_backslashes_drives_and_any_letters() {
     let path = folder.path().join(r"Messungen für März\c.log");
     let drive = fs::canonicalize(&path).unwrap();
     assert!(text(&drive).starts_with(r"\\?\"), "{}", drive.display());
-    // As it is, with slashes, and in the form of long paths.
+    // The path as it is, with slashes, and in the form of long paths.
     for path in [text(&path), &text(&path).replace('\\', "/"), text(&drive)] {
         let decoded = run(&["decode", path]);
         assert_eq!((decoded.status, decoded.stdout.lines().count()), (0, 2), "{path}: {}", decoded.stderr);
@@ -38,7 +38,7 @@ fn paths_have_backslashes_drives_and_any_letters() {
     let converted = run(&["convert", text(&path), text(&out)]);
     assert_eq!(converted.status, 0, "{}", converted.stderr);
     assert_eq!(run(&["decode", text(&out)]).stdout.lines().count(), 2);
-    // The node-ID before it, and the report's format, are distinguished from a drive.
+    // The program distinguishes `NODE=` and `FORMAT=` before a path from a drive letter.
     let eds = folder.path().join("device.eds");
     fs::copy("conformance/device/models/reference-301.eds", &eds).unwrap();
     let described = run(&["decode", text(&path), "--device", &format!("1={}", eds.display())]);
@@ -74,11 +74,12 @@ fn lines_end_either_way() {
         run(&["eds", "check", text(&path_of_eds), "--format", "json"]).stdout
     };
     assert_eq!(check(&eds), check(&eds.replace('\n', "\r\n")));
-    // What is written is the same on all systems.
+    // The output has the same line ends on all systems.
     assert!(!run(&["decode", text(&path)]).stdout.contains('\r'));
 }
 
-/// Windows keeps a file in its place that a program has open without sharing it; what was there stays, and is reported.
+/// Windows does not replace a file that another program has open without sharing it: the old content stays, and the
+/// program reports it.
 #[test]
 fn a_file_that_another_program_has_open_is_not_replaced() {
     let folder = captures();
@@ -120,8 +121,7 @@ fn names_that_differ_in_case_are_one_file() {
     }
 }
 
-/// Two ports that are joined, where whoever runs these tests says that there are such: each end takes the other for an
-/// adapter.
+/// Uses two joined serial ports if `CANVASS_NULL_MODEM` names them: each end is the adapter of the other.
 #[test]
 fn a_device_is_asked_through_serial_ports() {
     let Ok(ports) = std::env::var("CANVASS_NULL_MODEM") else { return };

@@ -1,5 +1,5 @@
-//! The targets of coverage-guided fuzzing on every toolchain: with random bytes, and with real inputs that were cut,
-//! spliced and changed.
+//! Runs the targets of coverage-guided fuzzing on every toolchain: with random bytes, and with real inputs that were
+//! cut, spliced and changed.
 #![cfg(test)]
 
 #[path = "../../fuzz-targets/src/lib.rs"]
@@ -10,7 +10,7 @@ use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use std::path::{Path, PathBuf};
 use targets::{TARGETS, Target};
 
-/// The inputs that a target begins from; large ones take too long in a test.
+/// The seed inputs of a target; large ones take too long in a test.
 fn seeds(folders: &[&str]) -> Vec<Vec<u8>> {
     const LARGEST: u64 = 64 * 1024;
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
@@ -24,7 +24,7 @@ fn seeds(folders: &[&str]) -> Vec<Vec<u8>> {
     files.iter().map(|path| std::fs::read(path).unwrap()).collect()
 }
 
-/// A real input with some of it changed, or none of it real.
+/// A real input with random changes, or a random input.
 fn input(seeds: Vec<Vec<u8>>) -> BoxedStrategy<Vec<u8>> {
     let random = proptest::collection::vec(any::<u8>(), 0..200).boxed();
     if seeds.is_empty() {
@@ -68,7 +68,7 @@ fn every_other_reader_survives_what_it_reads() {
     TARGETS.iter().filter(|target| !target.2.contains(&"traces/samples")).for_each(hold);
 }
 
-/// Real inputs are taken as they are too.
+/// Real inputs are also read unchanged.
 #[test]
 fn every_seed_is_read() {
     for (_, read, folders) in TARGETS {
@@ -76,7 +76,7 @@ fn every_seed_is_read() {
     }
 }
 
-/// A format that nobody fuzzes would be found out here.
+/// A capture format without a fuzz target is detected here.
 #[test]
 fn every_capture_format_has_its_target() {
     for format in canvass_traces::Format::all() {

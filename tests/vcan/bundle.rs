@@ -1,4 +1,4 @@
-//! A run on a real bus is judged again without it.
+//! The bundle of a run on a real bus is verified without the bus.
 
 use crate::interface::Interface;
 use crate::running::{run, simulate, text};

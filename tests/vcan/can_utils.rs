@@ -11,7 +11,7 @@ fn tool(name: &str, args: &[&str]) -> Command {
     command
 }
 
-/// cansend asks our simulated device, candump sees the answer.
+/// cansend requests an object of our simulated device, and candump sees the answer.
 #[test]
 fn cansend_and_candump() {
     let bus = Interface::new("vsend");
@@ -23,7 +23,7 @@ fn cansend_and_candump() {
     assert!(seen.contains("63F#4000100000000000") && seen.contains("5BF#4300100096010200"), "{seen}");
 }
 
-/// What cangen sends, `record` holds, frame by frame, as candump saw it.
+/// `record` records the frames of cangen exactly as candump saw them.
 #[test]
 fn cangen_into_record() {
     let bus = Interface::new("vgen");
@@ -44,7 +44,7 @@ fn cangen_into_record() {
     assert_eq!(frames(&recorded), frames(&candump.finish().stdout));
 }
 
-/// canplayer plays a recording; `monitor` decodes it as `decode` decodes the file.
+/// canplayer plays a recording; `monitor` decodes it like `decode` decodes the file.
 #[test]
 fn canplayer_into_monitor() {
     let bus = Interface::new("vplay");

@@ -6,7 +6,7 @@ use serde_json::Value;
 
 const MODEL: &str = "reference-301";
 
-/// They are in the tests' own machine only.
+/// Whether the interfaces exist: only the tests' own machine has them.
 fn are_here() -> bool {
     std::env::var_os("CANVASS_VCAN_OUT").is_some()
 }
@@ -43,8 +43,8 @@ fn a_bit_rate_is_asked_for_known_and_changed() {
     let device = simulate(MODEL, "can1", &[]);
     let doctor = text(&run(&["doctor"]).stdout);
     assert!(doctor.contains("✔ interface    can0: controller, up, 250 kbit/s, error-active"), "{doctor}");
-    // Who hears heartbeats asks for no state by remote frames. QEMU's SJA1000 keeps the data byte that one announces and
-    // skips none, so that whatever follows it is garbage.
+    // With heartbeats, the tester asks for no state by remote frames. QEMU's SJA1000 keeps the data byte that a remote
+    // frame announces and does not skip it, so that the following frames are garbage.
     let heartbeats = run(&["sdo", "write", "can0", "10", "1017", "500"]);
     assert!(heartbeats.status.success(), "{}", text(&heartbeats.stderr));
 
@@ -52,12 +52,12 @@ fn a_bit_rate_is_asked_for_known_and_changed() {
     assert_eq!(found, bit_rate_cases(&format!("sim:{MODEL}")));
     assert!(found.contains(&("305/bit-timing/activate".to_owned(), "pass".to_owned())), "{found:?}");
 
-    // The device goes to another bit rate, and its interface with it.
+    // The device changes its bit rate, and sets its interface to the same one.
     let changed = run(&["lss", "configure", "can0", "--bit-rate", "500k", "--activate", "100ms"]);
     assert!(changed.status.success(), "{}", text(&changed.stderr));
     eventually("the interface of the device has 500 kbit/s", || bit_rate("can1") == "500000");
     up("can0", "500000");
-    // The device is silent for the delay once more.
+    // The device stays silent for a second delay.
     let reads = || text(&run(&["sdo", "read", "can0", "10", "1000"]).stdout).contains("1000h:00");
     eventually("the device answers at 500 kbit/s", reads);
     let ended = device.interrupt();

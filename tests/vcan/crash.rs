@@ -31,7 +31,8 @@ fn a_killed_recorder_leaves_readable_files() {
     std::thread::sleep(Duration::from_secs(4));
     let killed_at = SystemTime::now().duration_since(UNIX_EPOCH).unwrap().as_nanos();
     record.kill();
-    // By then the recorder is gone: nothing of what follows was on the bus before.
+    // The recorder has ended before the frames are counted, so that the count includes all frames that it could have
+    // recorded.
     let sent = transmitted(bus.name());
     cangen.kill();
     for output in &outputs {
@@ -48,7 +49,7 @@ fn a_killed_recorder_leaves_readable_files() {
     }
 }
 
-/// Several files one after the other hold all frames, and old ones go.
+/// A series of files holds all frames, and old files are deleted.
 #[test]
 fn rotation_loses_nothing() {
     let bus = Interface::new("vrotate");

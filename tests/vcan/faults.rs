@@ -1,4 +1,4 @@
-//! What happens to a bus: interfaces that go down, processes that die, nodes that babble, users who interrupt.
+//! Faults of a bus and its users: interfaces that go down, processes that die, nodes that babble, users who interrupt.
 
 use crate::interface::{Interface, transmitted};
 use crate::running::{Running, brief, canvass, eventually, run, simulate, text};
@@ -45,12 +45,12 @@ fn an_interface_goes_down_and_up_during_test_and_simulate() {
     let said = |case: &Value| case["reason"]["actual"].as_str().unwrap_or_default().contains("vdown");
     assert!(report["cases"].as_array().unwrap().iter().any(said), "{}", brief(&report));
     assert!(ended.status == 1, "{}", ended.stderr);
-    // The device lives on.
+    // The device has survived the interruption.
     assert!(reads(&bus, "1000").contains("1000h:00"));
     assert_eq!(device.interrupt().status, 0);
 }
 
-/// The sequences under way are not judged; those before and after it are.
+/// Sequences during the interruption are not judged; those before and after it are.
 #[test]
 fn an_interface_goes_down_and_up_during_fuzz() {
     let bus = Interface::new("vfuzzdown");
@@ -114,13 +114,13 @@ fn a_removed_interface_is_found_again() {
     assert!(std::fs::read_to_string(path).unwrap().contains("103#03"), "{}", ended.stderr);
 }
 
-/// Number of segment requests before the cases of `301/sdo` and in the first of them.
+/// Number of segment requests in the preparation of `301/sdo` and in its first case.
 const EARLIER: usize = 23;
 
-/// Waits for a frame of a segmented upload in one of the cases, in the middle of which somebody dies.
+/// Waits for a segment of an upload in one of the cases, in the middle of which `act` ends a process.
 fn in_mid_transfer(bus: &Interface, act: impl FnOnce()) {
     let mut candump = Command::new("candump");
-    // Requests for segments, with either toggle bit.
+    // The filter of candump passes the SDO requests, whose segment requests have either toggle bit.
     candump.args(["-L", &format!("{},63F:7FF", bus.name())]).stdin(Stdio::null());
     let mut candump = Running::start(candump);
     candump.prints(&["63F#60", "63F#70"], EARLIER + 1);
@@ -140,7 +140,7 @@ fn a_device_that_dies_in_mid_transfer_fails_that_case_alone() {
     let failed = cases.iter().find(|case| case["verdict"] == "fail").unwrap();
     let says = |case: &Value, what: &str| case["breaches"].to_string().contains(what);
     assert!(says(failed, "the device stopped answering"), "{failed:#}");
-    // Those after it name it.
+    // The following cases name this case as the cause.
     assert!(count(&report, "inconclusive") >= 2, "{}", brief(&report));
     let last = &cases.last().unwrap()["reason"]["actual"];
     assert!(last.as_str().unwrap().contains(failed["id"].as_str().unwrap()), "{last}");
@@ -153,14 +153,14 @@ fn a_tester_that_dies_in_mid_transfer_leaves_a_device_that_works() {
     let device = simulate(MODEL, bus.name(), &[]);
     let test = start_test(&bus, "301/sdo", &[]);
     in_mid_transfer(&bus, || test.kill());
-    // It has left its journal: the next run puts the device back first.
+    // The killed run has left its journal: the next run restores the device first.
     let ended = start_test(&bus, "301/sdo/upload", &["--restore"]).finish();
     assert_eq!(ended.status, 0, "{}", ended.stdout);
     assert_eq!(device.interrupt().status, 0);
 }
 
-/// A node takes all of the bus while the suite runs, with an identifier that goes before all others. A bus of 1 Mbit/s
-/// carries about 8 000 of its frames in a second.
+/// A node fills the bus during the suite, with an identifier of the highest priority. A bus of 1 Mbit/s carries about 8
+/// 000 of its frames per second.
 #[test]
 fn a_babbling_node_is_not_the_devices_fault() {
     let bus = Interface::new("vbabble");
@@ -175,15 +175,15 @@ fn a_babbling_node_is_not_the_devices_fault() {
     let judged: u64 = report["summary"].as_object().unwrap().values().filter_map(Value::as_u64).sum();
     assert_eq!((report["cases"].as_array().unwrap().len(), judged), (3, 3), "{}", brief(&report));
     writeln!(std::io::stderr(), "figure: babbling: {} host {}", report["summary"], report["host"]).unwrap();
-    // When it is quiet again, the device is as it was.
+    // When the bus is quiet again, the device is as it was.
     babbler.kill();
     let time = reads(&bus, "1017");
     assert!(time.contains("= 0"), "{time}");
     assert_eq!(device.interrupt().status, 0);
 }
 
-/// A program floods the bus for a second with more than any bus carries: no wait of the tester lasts as long as the flood,
-/// what it has lost frames of it does not judge, and it goes on after it.
+/// A program floods the bus for a second with more frames than any bus carries. The flood outlasts every wait of the
+/// tester; cases that lost frames are not judged, and the run goes on afterwards.
 #[test]
 fn a_flood_ends_no_run_and_fails_nothing() {
     let bus = Interface::new("vflood");
@@ -212,7 +212,7 @@ fn a_flood_ends_no_run_and_fails_nothing() {
         "{}",
         brief(&report)
     );
-    // The last ones come after the flood.
+    // The last cases run after the flood.
     assert_ne!(report["cases"].as_array().unwrap().last().unwrap()["verdict"], "inconclusive", "{}", brief(&report));
     let time = reads(&bus, "1017");
     assert!(time.contains("= 0"), "{time}");
@@ -236,7 +236,7 @@ fn ctrl_c_restores_the_device_and_writes_the_report() {
     assert!(time.contains("= 0"), "{time}");
 }
 
-/// Own frames are told from those of others on the same machine.
+/// The tester distinguishes its own frames from those of others on the same machine.
 #[test]
 fn own_frames_are_told_from_others() {
     let bus = Interface::new("vown");

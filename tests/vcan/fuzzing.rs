@@ -17,7 +17,7 @@ fn result(ended: &Ended) -> Value {
         .unwrap_or_else(|error| panic!("the result is complete: {error}: {}{}", ended.stdout, ended.stderr))
 }
 
-/// As many frames of a violation are shown where a test fails.
+/// Number of frames of a violation in the message of a failed test.
 const EVIDENCE: usize = 10;
 
 /// The violations with their last frames.
@@ -36,7 +36,7 @@ fn brief(result: &Value) -> String {
     format!("{}\n{}", counts.join(", "), lines.join("\n"))
 }
 
-/// The fault is found on a device in another process, comes again when it is repeated, and is made short.
+/// The fuzzer finds the fault on a device in another process, reproduces it and shortens the sequence.
 fn is_found(interface: &'static str, fault: &str, target: &str, properties: &[&str]) {
     let bus = Interface::new(interface);
     let device = simulate("reference-301", bus.name(), &["--fault", fault]);
@@ -50,7 +50,7 @@ fn is_found(interface: &'static str, fault: &str, target: &str, properties: &[&s
     assert!(is_it && violation["confirmed"] == true, "{}", brief(&result));
     assert!(violation["frames"].as_array().unwrap().len() <= 8, "{}", brief(&result));
 
-    // What is handed over shows it once more.
+    // The log in the report reproduces the violation.
     let log = std::env::temp_dir().join(format!("{interface}.log"));
     std::fs::write(&log, violation["log"].as_str().unwrap()).unwrap();
     let replay = ["--device", "reference-301", "--replay", log.to_str().unwrap()];
@@ -65,7 +65,8 @@ fn a_toggle_bit_that_is_not_checked() {
     is_found("vftoggle", "sdo-toggle-unchecked", "sdo", &["PROP-02"]);
 }
 
-/// It shows in error control, or in that the device answers where a stopped one does not: whichever comes first.
+/// The fault shows in error control, or in answers of the device that a stopped device does not give: whichever comes
+/// first.
 #[test]
 fn a_command_that_is_ignored() {
     is_found("vfnmt", "nmt-stop-when-operational-ignored", "nmt", &["PROP-08", "PROP-04"]);
@@ -76,15 +77,15 @@ fn a_boot_up_message_that_is_missing() {
     is_found("vfboot", "boot-up-missing", "all", &["PROP-08"]);
 }
 
-/// Asks for a segment twice with the same toggle bit.
+/// A sequence that requests a segment twice with the same toggle bit.
 const TOGGLE: &str = "\
 (0000000000.000000) can0 60A#4010200000000000
 (0000000000.100000) can0 60A#6000000000000000
 (0000000000.200000) can0 60A#6000000000000000
 ";
 
-/// A device that is exchanged for a good one as soon as it has shown its fault: what does not come again is reported with
-/// all its frames, and not called confirmed.
+/// The faulty device is replaced by a healthy one as soon as it has shown its fault: the report has all frames of the
+/// violation, not marked as confirmed.
 #[test]
 fn what_shows_only_once_is_not_called_confirmed() {
     let bus = Interface::new("vfonce");
@@ -96,7 +97,7 @@ fn what_shows_only_once_is_not_called_confirmed() {
     let mut answers = Running::start(candump);
     let more = ["--device", "reference-301", "--regressions", earlier.to_str().unwrap(), "--stop-at-first"];
     let fuzz = start_fuzz(&bus, &more);
-    // Of the upload of 2010h the second segment is the one too many; the device's name came in segments before.
+    // The second segment of the upload of 2010h shows the fault; earlier segments belong to the device's name.
     answers.prints_after("58A#41102000", "58A#00", 2);
     faulty.kill();
     let device = Running::start(canvass(&["simulate", "reference-301", bus.name()]));
@@ -112,9 +113,10 @@ fn what_shows_only_once_is_not_called_confirmed() {
     assert_eq!(device.interrupt().status, 0);
 }
 
-/// What python canopen's device gets wrong, by property and rule: docs/peers.md shows the frames, each judged by hand.
-/// Of no other kind is any confirmed, and most of these are found. What is not confirmed may be one of these under another
-/// name: this device takes a 29-bit identifier for an SDO request, and its answer may come after the next request.
+/// The violations of python canopen's device, by property and rule: docs/peers.md shows the frames, each judged by
+/// hand. No other violation is confirmed, and most of these are found. An unconfirmed violation may be one of these
+/// under another name: the device takes a 29-bit identifier for an SDO request, and its answer may come after the next
+/// request.
 const VIOLATIONS: &str = include_str!("python_canopen_violations.txt");
 
 #[test]

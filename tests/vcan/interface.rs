@@ -2,14 +2,14 @@
 
 use std::process::Command;
 
-/// An interface that is up, and removed at the end.
+/// An interface that is up, and is removed at the end of the test.
 pub struct Interface {
     name: &'static str,
 }
 
 impl Interface {
     pub fn new(name: &'static str) -> Self {
-        // What an interrupted run left behind.
+        // An interrupted run may have left the interface.
         let _ = Command::new("ip").args(["link", "del", name]).output();
         ip(&["link", "add", "dev", name, "type", "vcan"]);
         let interface = Self { name };
@@ -42,7 +42,7 @@ pub fn transmitted(interface: &str) -> u64 {
     std::fs::read_to_string(path).unwrap().trim().parse().unwrap()
 }
 
-/// Runs iproute2; gives what it printed.
+/// Runs iproute2; returns its output.
 pub fn ip(args: &[&str]) -> String {
     let output = Command::new("ip").args(args).output().unwrap();
     assert!(output.status.success(), "ip {}: {}", args.join(" "), String::from_utf8_lossy(&output.stderr));

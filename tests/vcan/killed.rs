@@ -1,21 +1,21 @@
-//! SIGKILL at any moment of a run: its journal puts the device back.
+//! SIGKILL at any moment of a run: its journal restores the device.
 
 use crate::interface::Interface;
 use crate::running::{Running, canvass, run, simulate, text};
 use serde_json::Value;
 use std::time::Duration;
 
-/// Number of killed runs, one on each of the interfaces at a time. 50 take ten minutes here; over a serial line they
-/// are faster, and are run each time (tests/program/killed.rs).
+/// Number of killed runs, distributed over the interfaces. 50 take ten minutes here; over a serial line they are
+/// faster, and run each time (tests/program/killed.rs).
 const KILLS: u64 = 15;
 const INTERFACES: [&str; 5] = ["vkill0", "vkill1", "vkill2", "vkill3", "vkill4"];
 
-/// What keeps a value that nobody has stored.
+/// Objects with values that are not stored.
 const AT_WORK: [(&str, &str); 3] = [("1017", "1000"), ("1800:05", "500"), ("2041", "321")];
 
 const DEVICE: [&str; 4] = ["--node", "10", "--device", "reference-301"];
 
-/// The dictionary as another run finds it before its first case, but for what goes on by itself.
+/// The dictionary as another run finds it before its first case, without objects that change by themselves.
 fn dictionary(bus: &str) -> Vec<Value> {
     let args = ["--select", "301/identity/vendor-id", "--format", "json", "--journal", "none"];
     let tested = run(&[&["test", bus], &DEVICE[..], &args].concat());
@@ -25,13 +25,14 @@ fn dictionary(bus: &str) -> Vec<Value> {
     report["dictionary"].as_array().unwrap().iter().filter(steady).cloned().collect()
 }
 
-/// How long after its first case a run is killed: different for every kill, the same in every run of this test.
+/// The time after the first case at which a run is killed: different for every kill, the same in every run of this
+/// test.
 fn moment(kill: u64) -> Duration {
     let chance = kill.wrapping_mul(0x9E37_79B9_7F4A_7C15).rotate_left(31).wrapping_mul(0xBF58_476D_1CE4_E5B9);
     Duration::from_millis((chance >> 33) % 15_000)
 }
 
-/// Kills one run after the other on one device; gives how many had begun a case.
+/// Kills one run after the other on one device; returns how many had begun a case.
 fn kill(interface: &'static str, first: u64) -> u64 {
     let bus = Interface::new(interface);
     let _device = simulate("reference-301", bus.name(), &[]);
@@ -47,7 +48,7 @@ fn kill(interface: &'static str, first: u64) -> u64 {
     for number in (first..KILLS).step_by(INTERFACES.len()) {
         let allow = ["--allow", "nvm,node-id,other-nodes,factory-defaults,preset", "--journal", journal_path];
         let mut tester = Running::start(canvass(&[&["test", bus.name()], &DEVICE[..], &allow].concat()));
-        // Counted from the first case: a busy machine needs seconds for what comes before it.
+        // The time counts from the first case: on a busy machine the steps before it take seconds.
         while !journal.exists() && !tester.has_ended() {
             std::thread::sleep(Duration::from_millis(5));
         }

@@ -1,4 +1,4 @@
-//! Load: nothing is lost that the kernel delivered, and what it dropped is counted.
+//! Load: no frame that the kernel delivered is lost, and frames that it dropped are counted.
 
 use crate::interface::{Interface, transmitted};
 use crate::running::{Running, canvass, run, text};
@@ -11,7 +11,7 @@ fn number_before(text: &str, words: &str) -> u64 {
     text[..at].split_whitespace().last().unwrap().parse().unwrap()
 }
 
-/// cangen at full speed into three formats at once.
+/// Records cangen at full speed in three formats at once.
 fn load(interface: &'static str, span: Duration) {
     let bus = Interface::new(interface);
     let folder = std::env::temp_dir();
@@ -30,7 +30,7 @@ fn load(interface: &'static str, span: Duration) {
     let sent = transmitted(bus.name());
     std::thread::sleep(Duration::from_secs(2));
     let ended = record.interrupt();
-    // Lines before the last may tell of single losses.
+    // Lines before the last may report single losses.
     let total = ended.stderr.lines().last().unwrap_or_default();
     let (recorded, lost) = (number_before(total, " frames recorded"), number_before(total, " lost"));
     writeln!(
@@ -49,7 +49,7 @@ fn load(interface: &'static str, span: Duration) {
     }
 }
 
-/// A few seconds, or as many as `cargo xtask vcan-load` says.
+/// The load takes a few seconds, or the time that `cargo xtask vcan-load` sets.
 #[test]
 fn nothing_is_lost() {
     let seconds = std::env::var("CANVASS_LOAD_SECONDS").map_or(2, |seconds| seconds.parse().unwrap());

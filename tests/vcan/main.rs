@@ -1,8 +1,8 @@
-//! The program on real SocketCAN: interfaces, processes, and what happens to them.
+//! The program on real SocketCAN: interfaces, processes, and their faults.
 //!
-//! `cargo xtask vcan` runs these tests, on this machine's kernel if it has vcan, else on Debian's kernel in QEMU. Each test
-//! has an interface of its own, so that they can run at the same time. In QEMU the clock counts instructions: what takes
-//! time there are not waits but work.
+//! `cargo xtask vcan` runs these tests, on this machine's kernel if it has vcan, else on Debian's kernel in QEMU. Each
+//! test has an interface of its own, so that tests can run at the same time. In QEMU the clock counts instructions:
+//! work takes time there, waiting does not.
 
 #[cfg(test)]
 mod bundle;

@@ -1,4 +1,4 @@
-//! python canopen as master of our simulated device, and as a device under our suite.
+//! python canopen as master of our simulated device, and as a device under our test suite.
 
 use crate::interface::Interface;
 use crate::running::{Running, brief, run, simulate, text};
@@ -16,14 +16,14 @@ pub fn python(args: &[&str]) -> Command {
     command
 }
 
-/// Runs a part of the script; gives what it printed.
+/// Runs a part of the script; returns its output.
 pub fn script(args: &[&str]) -> String {
     let output = python(args).output().unwrap();
     assert!(output.status.success(), "{}\n{}", text(&output.stdout), text(&output.stderr));
     text(&output.stdout)
 }
 
-/// What the script says of each thing that it has done.
+/// The steps of the script, as it reports them.
 const DONE: [&str; 18] = [
     "expedited upload",
     "expedited download",
@@ -45,7 +45,7 @@ const DONE: [&str; 18] = [
     "lss node-ID",
 ];
 
-/// SDO of all kinds, NMT, PDO, LSS and EMCY, by somebody else's master.
+/// A third-party master uses SDO of all kinds, NMT, PDO, LSS and EMCY.
 #[test]
 fn as_master_of_our_device() {
     let bus = Interface::new("vmaster");
@@ -57,7 +57,7 @@ fn as_master_of_our_device() {
     assert_eq!(device.interrupt().status, 0);
 }
 
-/// The failures of its device that are its own: docs/peers.md shows their frames.
+/// The cases that fail because of defects of python canopen's device: docs/peers.md shows their frames.
 const DEFECTS: &str = include_str!("python_canopen_defects.txt");
 
 #[test]
@@ -70,7 +70,7 @@ fn as_device_under_our_suite() {
     let cases = report["cases"].as_array().unwrap().iter().filter(|case| case["verdict"] == "fail");
     let failed: Vec<&str> = cases.map(|case| case["id"].as_str().unwrap()).collect();
     writeln!(std::io::stderr(), "figure: python canopen: {}", report["summary"]).unwrap();
-    // Neither one more nor one less: what is fixed there is to be struck out here and in docs/peers.md.
+    // Exactly these cases fail: after a fix in python canopen, delete the case here and in docs/peers.md.
     assert_eq!(failed, DEFECTS.lines().collect::<Vec<_>>(), "{}", brief(&report));
     assert!(report["summary"]["pass"].as_u64().unwrap() > 0, "{}", brief(&report));
 }

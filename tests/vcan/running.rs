@@ -12,12 +12,12 @@ pub fn canvass(args: &[&str]) -> Command {
     command
 }
 
-/// Runs it to its end.
+/// Runs the program to its end.
 pub fn run(args: &[&str]) -> Output {
     canvass(args).output().unwrap()
 }
 
-/// What a report of `test` says of each case, in one line each, for the message of a test that fails.
+/// The verdict of each case in a report, in one line each, for the message of a failed test.
 pub fn brief(report: &Value) -> String {
     let cases = report["cases"].as_array().into_iter().flatten();
     let lines = cases.map(|case| format!("{} {} {}", case["verdict"], case["id"], case["reason"]));
@@ -42,7 +42,7 @@ impl Running {
         Self { child, stderr }
     }
 
-    /// Waits for a line on standard error that holds these words.
+    /// Waits for a line on standard error that contains these words.
     pub fn says(&mut self, words: &str) -> String {
         let stderr = self.stderr.as_mut().unwrap();
         let mut all = String::new();
@@ -56,14 +56,15 @@ impl Running {
         }
     }
 
-    /// Waits for the n-th line on standard output that holds one of these words.
+    /// Waits for the n-th line on standard output that contains one of these words.
     pub fn prints(&mut self, words: &[&str], n: usize) {
         let stdout = BufReader::new(self.child.stdout.take().unwrap());
         let lines = stdout.lines().map(Result::unwrap).filter(|line| words.iter().any(|words| line.contains(words)));
         assert_eq!(lines.take(n).count(), n, "lines with one of {words:?}");
     }
 
-    /// Waits for the n-th line on standard output that holds this word, counted from the first one with the other on.
+    /// Waits for the n-th line on standard output that contains `word`, counted from the first line that contains
+    /// `first`.
     pub fn prints_after(&mut self, first: &str, word: &str, n: usize) {
         let stdout = BufReader::new(self.child.stdout.take().unwrap());
         let lines = stdout.lines().map(Result::unwrap).skip_while(|line| !line.contains(first));
@@ -75,7 +76,7 @@ impl Running {
         assert!(status.success());
     }
 
-    /// Waits for the end; what it printed is returned.
+    /// Waits for the end of the process; returns its output.
     pub fn finish(mut self) -> Ended {
         let mut stdout = Vec::new();
         // Standard error is short enough to wait in its pipe.
@@ -90,7 +91,7 @@ impl Running {
         self.child.try_wait().unwrap().is_some()
     }
 
-    /// Ends it as Ctrl-C does.
+    /// Ends the process as Ctrl-C does.
     pub fn interrupt(self) -> Ended {
         self.signal("-INT");
         self.finish()
@@ -109,7 +110,7 @@ impl Drop for Running {
     }
 }
 
-/// What a process left behind.
+/// The result of a process that has ended.
 pub struct Ended {
     pub status: i32,
     pub stdout: String,
@@ -120,12 +121,12 @@ pub struct Ended {
 pub fn simulate(model: &str, bus: &str, more: &[&str]) -> Running {
     let mut device = Running::start(canvass(&[&["simulate", model, bus], more].concat()));
     device.says("on ");
-    // Its initialisation.
+    // The device needs this time for its initialisation.
     std::thread::sleep(Duration::from_millis(600));
     device
 }
 
-/// Waits until something is so.
+/// Waits until the condition holds.
 pub fn eventually(what: &str, mut is_so: impl FnMut() -> bool) {
     let begun = Instant::now();
     while !is_so() {

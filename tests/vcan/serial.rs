@@ -1,4 +1,4 @@
-//! SLCAN over a pty pair and over TCP, between two of ours and with python-can.
+//! SLCAN over a pair of pseudo-terminals and over TCP, between two programs of ours and with python-can.
 
 use crate::interface::ip;
 use crate::python::{python, script};
@@ -8,7 +8,7 @@ use std::time::Duration;
 
 const MODEL: &str = "kuebler-sendix-58x8";
 
-/// Two ends of one line.
+/// A serial line with two ends.
 fn pty_pair(name: &str) -> (Running, String, String) {
     let ends = ["a", "b"].map(|end| format!("/tmp/canvass-{name}-{end}"));
     let mut line = Running::start(python(&["line", &ends[0], &ends[1]]));
@@ -41,17 +41,17 @@ fn over_tcp() {
     assert_eq!(device.interrupt().status, 0);
 }
 
-/// The kernel's own SLCAN driver as the program at our adapter's end. It sets the bit rate and opens the channel.
+/// The kernel's own SLCAN driver uses our simulated adapter: it sets the bit rate and opens the channel.
 #[test]
 fn with_the_kernels_driver() {
     if std::env::var_os("CANVASS_VCAN_OUT").is_none() {
-        // Another machine may have interfaces of its own, and no such driver.
+        // Another machine may have interfaces of its own, and lack this driver.
         return;
     }
     let (_line, a, b) = pty_pair("kernel");
     let device = simulate(MODEL, &format!("slcan:{a}"), &[]);
     let attach = |args: &[&str]| assert!(Command::new("slcan_attach").args(args).status().unwrap().success());
-    // The other end of the line keeps the port open, and so the interface there.
+    // The device at the other end of the line keeps the port open, so that the interface stays.
     attach(&["-n", "slcan0", &b]);
     ip(&["link", "set", "slcan0", "up", "type", "can", "bitrate", "250000"]);
     let said = sdo("slcan0");
@@ -60,7 +60,7 @@ fn with_the_kernels_driver() {
     attach(&["-d", &b]);
 }
 
-/// python-can's slcan as a program at our adapter's end, and as an adapter's user at ours.
+/// python-can's slcan uses our simulated adapter.
 #[test]
 fn with_python_can() {
     let (_line, a, b) = pty_pair("python");

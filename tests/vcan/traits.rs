@@ -1,26 +1,26 @@
-//! Devices that are hard to put back or to keep alive, on a real socket: `test` and `fuzz` say of them what they say on the
-//! simulated bus (conformance/suite/tests/traits.rs), and what was there before is there afterwards.
+//! Devices that are hard to restore or to keep alive, on a real socket: `test` and `fuzz` give the same results as on
+//! the simulated bus (conformance/suite/tests/traits.rs), and the device has its old values afterwards.
 
 use crate::interface::Interface;
 use crate::running::{Running, brief, eventually, run, simulate, text};
 use serde_json::Value;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// A device that comes back from no reset breaks this property.
+/// The property that a device breaks if no reset revives it.
 const ALIVE: &str = "PROP-16";
 
 const ALLOWED: &str = "nvm,node-id,other-nodes,factory-defaults,preset";
 const DEVICE: [&str; 4] = ["--node", "10", "--device", "reference-301"];
 
-/// What keeps a value of the communication profile, or of the application.
+/// Objects of the communication profile or of the application that keep a value.
 const OBJECTS: [&str; 12] = [
     "1005", "1014", "1015", "1016:01", "1017", "1400:01", "1800:01", "1800:02", "1800:03", "1800:05", "1A00:00", "2041",
 ];
 
-/// A trait, and where it shows.
+/// A trait of a firmware, and the cases in which it shows.
 struct Trait {
     interface: &'static str,
-    /// As for `canvass simulate`.
+    /// Options of `canvass simulate`.
     firmware: &'static [&'static str],
     select: &'static str,
 }
@@ -33,7 +33,7 @@ impl Trait {
         (bus, device)
     }
 
-    /// Nothing fails, nothing is left open, the dictionary is the same, and the fuzzer finds nothing.
+    /// No case fails or stays inconclusive, the dictionary is unchanged, and the fuzzer finds no violation.
     fn is_spared(&self) {
         let (bus, device) = self.start();
         let before = dictionary(bus.name());
@@ -47,7 +47,7 @@ impl Trait {
         assert_eq!(device.interrupt().status, 0);
     }
 
-    /// The case in which it dies fails and says so, and the fuzzer says that it is dead.
+    /// The case during which the device dies fails and reports it, and the fuzzer reports the device as dead.
     fn is_dead_after(&self, culprit: &str) {
         let (bus, device) = self.start();
         let report = tested(bus.name(), self.select);
@@ -62,12 +62,12 @@ impl Trait {
     }
 }
 
-/// What the objects hold; a value that is refused is that, too.
+/// The values of the objects; a refusal counts as a value.
 fn dictionary(bus: &str) -> BTreeMap<&'static str, (bool, String)> {
     OBJECTS.into_iter().map(|object| (object, read(bus, object))).collect()
 }
 
-/// Whether it can be read, and what it holds.
+/// Whether the object can be read, and its printed value.
 fn read(bus: &str, object: &str) -> (bool, String) {
     let read = run(&["sdo", "read", bus, "10", object, "--timeout", "3s"]);
     (read.status.success(), text(&read.stdout))
@@ -84,7 +84,7 @@ fn fuzzed(bus: &str) -> Value {
     serde_json::from_slice(&output.stdout).unwrap_or_else(|error| panic!("{error}: {}", text(&output.stderr)))
 }
 
-/// The cases that ended so.
+/// The cases with one of these verdicts.
 fn ending(report: &Value, verdicts: &[&str]) -> BTreeSet<String> {
     let cases = report["cases"].as_array().unwrap().iter();
     let ends = |case: &&Value| verdicts.contains(&case["verdict"].as_str().unwrap());
@@ -130,7 +130,8 @@ fn dies_after_a_reset() {
     Trait { interface: "vdiesr", firmware, select }.is_dead_after("301/error-behaviour/only-operational");
 }
 
-/// What a reset brings back on other devices is written back; what is about resets is not looked at here.
+/// The tester writes the values back that a reset would restore on other devices. Cases about resets are not selected
+/// here.
 #[test]
 fn keeps_ram_over_reset() {
     let firmware = &["--fault", "nmt-reset-node-keeps-parameters"];

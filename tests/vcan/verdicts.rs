@@ -1,5 +1,5 @@
-//! A case can't tell which bus it runs on: verdicts on vcan are those on the simulated bus, for every model and every
-//! case.
+//! A case can't tell which bus it runs on: the verdicts on vcan equal those on the simulated bus, for every model and
+//! every case.
 
 use crate::interface::Interface;
 use crate::running::{Running, brief, canvass, run, simulate, text};
@@ -9,10 +9,10 @@ use std::io::Write as _;
 
 type Verdicts = BTreeMap<String, String>;
 
-/// How often cases are repeated that could not be judged because this machine was too slow.
+/// Maximum number of repetitions of cases that were not judged because this machine was too slow.
 const REPETITIONS: usize = 4;
 
-/// What stands between the program and a verdict on these simulated devices, each of which is alone on its bus.
+/// The permissions that a verdict on these simulated devices may need; each device is alone on its bus.
 const ALLOWED: &str = "nvm,node-id,bit-rate,other-nodes,factory-defaults,preset";
 
 fn report(args: &[&str]) -> Value {
@@ -26,26 +26,26 @@ fn verdicts(report: &Value) -> Verdicts {
     cases.map(|case| (text(case, "id"), text(case, "verdict"))).collect()
 }
 
-/// The cases of which the report says that this machine, not the device, was too slow.
+/// The cases that were not judged because this machine, not the device, was too slow.
 fn too_slow(report: &Value) -> Vec<String> {
     let cases = report["cases"].as_array().unwrap().iter();
     let is_late = |case: &&Value| case["reason"]["duty"] == "the tester's machine keeps up";
     cases.filter(is_late).map(|case| case["id"].as_str().unwrap().to_owned()).collect()
 }
 
-/// The reason that the report gives for a case, for the message of a test that fails.
+/// The reason that the report gives for a verdict, for the message of a failed test.
 fn reason<'a>(report: &'a Value, id: &str) -> &'a Value {
     let case = report["cases"].as_array().unwrap().iter().find(|case| case["id"] == id);
     case.map_or(&Value::Null, |case| &case["reason"])
 }
 
-/// These need to know the bit rate of the bus, and a vcan has none: the first two run on controllers (`controllers.rs`),
-/// the last one keeps the bus busy, which takes wires.
+/// Cases that need to know the bit rate of the bus, which a vcan lacks: the first two run on controllers
+/// (`controllers.rs`), the last one fills the bus, which only a real bus allows.
 const OF_THE_BIT_RATE: [&str; 3] = ["205/bit-timing/activate", "305/bit-timing/activate", "301/sync/window"];
 
-/// The cases that take no longer than [`BUDGET`] together: all of them in the tests' own machine, where waiting takes no
-/// time; elsewhere every n-th where all of them would take longer, as with devices that send no boot-up message, whose
-/// every start is waited for.
+/// The cases that together take no longer than [`BUDGET`]. In the tests' own machine, where waiting takes no time,
+/// these are all cases. Elsewhere they are every n-th case, if all of them would take longer; this concerns devices
+/// without boot-up message, whose every start has to be waited for.
 fn affordable(report: &Value) -> Vec<&str> {
     let whole = report["duration_ns"].as_u64().unwrap();
     let is_own_machine = std::env::var_os("CANVASS_VCAN_OUT").is_some();
@@ -54,10 +54,10 @@ fn affordable(report: &Value) -> Vec<&str> {
     ids.step_by(step.max(1)).collect()
 }
 
-/// Nanoseconds on the bus.
+/// Time on the bus in nanoseconds.
 const BUDGET: u64 = 400_000_000_000;
 
-/// A model whose node-ID is set by LSS first is given one here.
+/// The node-ID of models that are delivered without one and get it by LSS.
 const SOME_NODE: u64 = 63;
 
 fn models() -> Vec<(String, String)> {
@@ -99,7 +99,7 @@ fn agrees(model: &str, interface: &'static str) {
     assert_eq!(expected.len(), verdicts_found.len());
 }
 
-/// One test for each model, so that the one that differs is named.
+/// One test for each model, so that a failure names the model.
 macro_rules! models {
     ($($test:ident: $model:literal on $interface:literal,)*) => {
         $(#[test]
@@ -139,7 +139,7 @@ fn a_faulty_device_fails_on_vcan_too() {
     assert_eq!(verdicts(&found)["301/sdo/download/segment-toggle"], "fail", "{}", brief(&found));
 }
 
-/// Programs that don't clear `struct can_frame` send classical frames all the same: none becomes CAN FD, and no answer is
+/// Programs that don't clear `struct can_frame` still send classical frames: no frame becomes CAN FD, and no answer is
 /// lost.
 #[test]
 fn dirty_padding_changes_no_verdict() {

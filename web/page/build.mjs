@@ -1,4 +1,4 @@
-// Makes the page of its parts: one file that needs no other, and a folder that can be installed and then works off line.
+// Builds the page: a single file that needs no others, and a folder that can be installed and then works off line.
 import { build } from "esbuild";
 import { createHash } from "node:crypto";
 import { mkdirSync, readFileSync, writeFileSync } from "node:fs";

@@ -1,4 +1,4 @@
-// The scripts and styles of the reports, by their hashes: read from reports, so that there is no second list of them.
+// Hashes of the scripts and styles of the reports. They are read from reports, so that there is no second list of them.
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
 import { pathToFileURL } from "node:url";

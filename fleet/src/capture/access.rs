@@ -1,4 +1,4 @@
-//! Opening files, wherever they are, for readers that wait.
+//! Opening files, on disk or in an object store, for blocking readers.
 
 use super::object::ObjectReader;
 use super::{CaptureFile, is_url};
@@ -12,17 +12,17 @@ use std::sync::{Arc, Mutex, PoisonError};
 use tokio::runtime::Handle;
 use url::Url;
 
-/// Opens files of this computer and of object stores. To be used where waiting is allowed: in a blocking task.
+/// Opens files of this computer and of object stores. Opening blocks: call it only from a blocking task.
 #[derive(Clone)]
 pub struct Access {
     runtime: Arc<RuntimeEnv>,
     handle: Handle,
 }
 
-/// Why a file can't be read: the file or the store is to blame, not what is in it.
+/// Why a file can't be read. The file or the store is the cause, not the content of the file.
 #[derive(Debug, thiserror::Error)]
 pub enum AccessError {
-    /// It can't be opened or read.
+    /// The file can't be opened or read.
     #[error("can't read {name}: {reason}")]
     Read {
         /// The file.
@@ -33,14 +33,14 @@ pub enum AccessError {
     /// The name is no URL of a known kind.
     #[error("{name} is no URL of an object store that is known: expected s3://BUCKET/KEY, or a path ({reason})")]
     Url {
-        /// As it was given.
+        /// The name as the user gave it.
         name: String,
         /// The reason.
         reason: String,
     },
 }
 
-/// What is noted of a file while it is read.
+/// The reader's notes on a file: an error of reading, and the hash of the bytes read.
 #[derive(Clone, Default)]
 pub struct Notes(Arc<Mutex<Noted>>);
 
@@ -48,7 +48,7 @@ pub struct Notes(Arc<Mutex<Noted>>);
 struct Noted {
     failure: Option<String>,
     digest: Option<Sha256>,
-    /// How many bytes went into it.
+    /// Number of hashed bytes.
     hashed: u64,
 }
 
@@ -57,12 +57,12 @@ impl Notes {
         use_it(&mut self.0.lock().unwrap_or_else(PoisonError::into_inner))
     }
 
-    /// Why reading failed, if it did.
+    /// The error of reading, if there was one.
     pub fn failure(&self) -> Option<String> {
         self.with(|noted| noted.failure.clone())
     }
 
-    /// How many bytes were read and hashed, and their SHA-256 in hexadecimal, if it was asked for.
+    /// The number of bytes read and hashed, and their SHA-256 in hexadecimal; `None` if no hash was requested.
     pub fn sha256(&self) -> Option<(u64, String)> {
         let (hashed, digest) = self.with(|noted| (noted.hashed, noted.digest.clone()));
         digest.map(|digest| (hashed, hex(&digest.finalize())))
@@ -74,7 +74,7 @@ pub fn hex(bytes: &[u8]) -> String {
     bytes.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// Notes what is read, and whether that failed.
+/// A reader that notes the hash of the bytes and an error of reading.
 struct Watched {
     inner: Box<dyn Read + Send>,
     notes: Notes,
@@ -100,15 +100,15 @@ impl Read for Watched {
 }
 
 impl Access {
-    /// Access to what a runtime knows; what waits is run on `handle`.
+    /// Access to the object stores of `runtime`; asynchronous requests run on `handle`.
     pub const fn new(runtime: Arc<RuntimeEnv>, handle: Handle) -> Self {
         Self { runtime, handle }
     }
 
-    /// Opens a file; with `hashes`, its SHA-256 is made on the way.
+    /// Opens a file; with `hashes`, the SHA-256 of the file is computed while it is read.
     ///
     /// # Errors
-    /// [`AccessError`] if it is not there or can't be read.
+    /// [`AccessError`] if the file does not exist or can't be read.
     pub fn open(&self, file: &CaptureFile, hashes: bool) -> Result<(Box<dyn Read + Send>, Notes), AccessError> {
         let inner: Box<dyn Read + Send> = if is_url(&file.name) {
             let (store, path) = locate(&self.runtime, &file.name)?;
@@ -123,10 +123,10 @@ impl Access {
         Ok((Box::new(Watched { inner, notes: notes.clone(), hashes }), notes))
     }
 
-    /// All of a file, which must not be longer than `most` bytes, and its SHA-256.
+    /// The content of a file of at most `most` bytes, and its SHA-256.
     ///
     /// # Errors
-    /// [`AccessError`] if it can't be read or is longer.
+    /// [`AccessError`] if the file can't be read or is longer.
     pub fn read(&self, file: &CaptureFile, most: u64) -> Result<(Vec<u8>, String), AccessError> {
         let unreadable = |reason: String| AccessError::Read { name: file.name.clone(), reason };
         if file.size > most {
@@ -141,7 +141,7 @@ impl Access {
     /// The SHA-256 of a file in hexadecimal.
     ///
     /// # Errors
-    /// [`AccessError`] if it can't be read.
+    /// [`AccessError`] if the file can't be read.
     pub fn hash(&self, file: &CaptureFile) -> Result<String, AccessError> {
         let (mut reader, notes) = self.open(file, true)?;
         let unreadable = |error: io::Error| AccessError::Read { name: file.name.clone(), reason: error.to_string() };
@@ -150,10 +150,10 @@ impl Access {
     }
 }
 
-/// The store of a URL, and the path in it.
+/// The object store of a URL, and the path in the store.
 ///
 /// # Errors
-/// [`AccessError::Url`] if there is no such store.
+/// [`AccessError::Url`] if the runtime knows no such store.
 pub fn locate(runtime: &RuntimeEnv, name: &str) -> Result<(Arc<dyn ObjectStore>, ObjectPath), AccessError> {
     let wrong = |reason: String| AccessError::Url { name: name.to_owned(), reason };
     let url = Url::parse(name).map_err(|error| wrong(error.to_string()))?;

@@ -11,18 +11,18 @@ pub use reading::{Reading, Seen, Unreadable};
 
 use serde::{Deserialize, Serialize};
 
-/// A file that may be a capture or a result: plain data, which travel with a plan.
+/// A file that may be a capture or a result. The type is plain data, so that it can be sent with a plan.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, Serialize, Deserialize)]
 pub struct CaptureFile {
-    /// Its path as it was asked for, or its URL, such as `s3://bucket/field/a.log`.
+    /// The path as the user gave it, or the URL, such as `s3://bucket/field/a.log`.
     pub name: String,
-    /// Its length in bytes.
+    /// The length of the file in bytes.
     pub size: u64,
-    /// When it was last written, in nanoseconds since 1970; 0 where that is not known.
+    /// The time of the last write in nanoseconds since 1970; 0 if unknown.
     pub modified: i64,
 }
 
-/// Whether a name is a URL of an object store, and no path.
+/// Whether a name is the URL of an object store instead of a path.
 pub fn is_url(name: &str) -> bool {
     name.split_once("://").is_some_and(|(scheme, _)| scheme.bytes().all(|byte| byte.is_ascii_alphanumeric()))
 }

@@ -1,4 +1,4 @@
-//! An object of a store, read in pieces: while one is decoded, the next one is on its way.
+//! Reads an object of a store in pieces: while one piece is decoded, the next one is downloaded.
 
 use object_store::path::Path as ObjectPath;
 use object_store::{ObjectStore, ObjectStoreExt};
@@ -7,12 +7,12 @@ use std::sync::Arc;
 use tokio::runtime::Handle;
 use tokio::task::JoinHandle;
 
-/// Reads an object.
+/// A reader of an object.
 pub struct ObjectReader {
     store: Arc<dyn ObjectStore>,
     path: ObjectPath,
     size: u64,
-    /// Where the next piece to ask for begins.
+    /// Offset of the next piece to request.
     next: u64,
     coming: Option<JoinHandle<object_store::Result<bytes::Bytes>>>,
     piece: bytes::Bytes,
@@ -20,10 +20,10 @@ pub struct ObjectReader {
 }
 
 impl ObjectReader {
-    /// A piece: long enough that the time of a request does not count.
+    /// Size of a piece in bytes: large enough that the duration of a request does not matter.
     const PIECE: u64 = 8 << 20;
 
-    /// An object of that length; requests run on `handle`.
+    /// A reader for an object of this length; requests run on `handle`.
     pub fn new(store: Arc<dyn ObjectStore>, path: ObjectPath, size: u64, handle: Handle) -> Self {
         Self { store, path, size, next: 0, coming: None, piece: bytes::Bytes::new(), handle }
     }

@@ -1,4 +1,5 @@
-//! Which files a pattern means: a file, all files of a folder, or those that `*`, `?`, `[…]`, `{a,b}` and `**` match.
+//! The files that a pattern matches: a file, all files of a folder, or the matches of `*`, `?`, `[…]`, `{a,b}` and
+//! `**`.
 
 use super::access::locate;
 use super::{AccessError, CaptureFile, is_url};
@@ -9,15 +10,15 @@ use std::io;
 use std::path::{Path, PathBuf};
 use std::time::UNIX_EPOCH;
 
-/// Why a pattern means no files.
+/// Why a pattern gives no files.
 #[derive(Debug, thiserror::Error)]
 pub enum PatternError {
-    /// It is not written as patterns are.
+    /// The syntax of the pattern is wrong.
     #[error("\"{pattern}\" is no pattern for files: {source}")]
     Syntax {
-        /// As it was given.
+        /// The pattern as the user gave it.
         pattern: String,
-        /// What is wrong with it.
+        /// The error in the pattern.
         source: globset::Error,
     },
     /// No file matches.
@@ -31,7 +32,7 @@ pub enum PatternError {
         /// The reason.
         source: io::Error,
     },
-    /// The object store can't be asked.
+    /// The object store can't be accessed.
     #[error(transparent)]
     Access(#[from] AccessError),
     /// The object store gave an error.
@@ -44,10 +45,10 @@ pub enum PatternError {
     },
 }
 
-/// The files of a pattern, in the order of their names.
+/// The files that a pattern matches, by name.
 ///
 /// # Errors
-/// [`PatternError`] if there are none, or it can't be known.
+/// [`PatternError`] if no file matches, or a folder or store can't be read.
 pub async fn find(pattern: &str, runtime: &RuntimeEnv) -> Result<Vec<CaptureFile>, PatternError> {
     let mut found = if is_url(pattern) { in_store(pattern, runtime).await? } else { on_disk(pattern)? };
     found.sort();
@@ -58,7 +59,7 @@ pub async fn find(pattern: &str, runtime: &RuntimeEnv) -> Result<Vec<CaptureFile
     Ok(found)
 }
 
-/// The part of a pattern before the first part of the path that has a wildcard, and whether there is one.
+/// The part of a pattern before the first path component with a wildcard, and whether there is a wildcard.
 fn fixed_part(pattern: &str) -> (&str, bool) {
     match pattern.find(['*', '?', '[', '{']) {
         None => (pattern, false),
@@ -77,7 +78,7 @@ fn on_disk(pattern: &str) -> Result<Vec<CaptureFile>, PatternError> {
     let (base, has_wildcard) = fixed_part(pattern);
     let mut found = Vec::new();
     let path = Path::new(pattern);
-    // A file's name may hold any character.
+    // An existing file takes precedence: its name may contain wildcard characters.
     if let Ok(metadata) = path.metadata()
         && metadata.is_file()
     {
@@ -104,7 +105,7 @@ fn walk(folder: &Path, matches: &dyn Fn(&Path) -> bool, found: &mut Vec<CaptureF
     for entry in folder.read_dir().map_err(unreadable)? {
         let entry = entry.map_err(unreadable)?;
         let (path, metadata) = (entry.path(), entry.metadata());
-        // A file that is gone again is none.
+        // The file was deleted after the folder was listed.
         let Ok(metadata) = metadata.and_then(|own| if own.is_symlink() { path.metadata() } else { Ok(own) }) else {
             continue;
         };
@@ -142,7 +143,7 @@ async fn in_store(pattern: &str, runtime: &RuntimeEnv) -> Result<Vec<CaptureFile
         let glob = matcher(pattern)?;
         files.retain(|file| glob.is_match(&file.name));
     } else if files.is_empty() {
-        // Not a folder: an object, if there is one.
+        // The pattern names no folder; it may name an object.
         use object_store::ObjectStoreExt as _;
         if let Ok(object) = store.head(&prefix).await {
             files.push(in_store_file(pattern.to_owned(), &object));

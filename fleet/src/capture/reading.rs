@@ -1,4 +1,4 @@
-//! A capture, read record by record, with its quality.
+//! Reads a capture record by record, and collects its quality.
 
 use super::access::Notes;
 use super::{Access, AccessError, CaptureFile};
@@ -7,41 +7,41 @@ use canvass_traces::{
     TimeBase, Timestamp,
 };
 
-/// A capture that is read.
+/// A capture being read.
 pub struct Reading {
     name: String,
     merge: Merge,
     notes: Notes,
     quality: Quality,
     record: Record,
-    /// Why it could not be read to its end.
+    /// Why the capture could not be read to its end.
     stopped: Option<String>,
 }
 
-/// What has come out of a capture.
+/// An item of a capture.
 #[derive(Clone, Copy, PartialEq, Eq)]
 pub enum Seen {
     /// A record.
     Record,
-    /// What makes sense of a frame that contradicts itself.
+    /// A record salvaged from a frame that contradicts itself.
     Salvaged,
-    /// Something could not be read: frames may be missing here.
+    /// Damage: frames may be missing here.
     Damage,
 }
 
-/// A file that is no capture that can be read.
+/// A file that is no readable capture.
 pub struct Unreadable {
-    /// Why not.
+    /// Why the file is no readable capture.
     pub reason: String,
-    /// Its SHA-256 in hexadecimal, if it was asked for.
+    /// The SHA-256 of the file in hexadecimal, if it was requested.
     pub sha256: Option<String>,
 }
 
 impl Reading {
-    /// Opens a capture; with `hashes`, its SHA-256 is made on the way.
+    /// Opens a capture; with `hashes`, the SHA-256 of the file is computed while it is read.
     ///
     /// # Errors
-    /// [`AccessError`] if the file can't be read; what is in it is never an error, but [`Unreadable`].
+    /// [`AccessError`] if the file can't be read. Wrong content is never an error, but [`Unreadable`].
     pub fn open(access: &Access, file: &CaptureFile, hashes: bool) -> Result<Result<Self, Unreadable>, AccessError> {
         let (reader, notes) = access.open(file, hashes)?;
         let capture = Capture::from_source(&file.name, Source::new(reader), &ReadOptions::default());
@@ -70,7 +70,7 @@ impl Reading {
         }
     }
 
-    /// Goes on to what comes next; `None` at the end.
+    /// Reads the next item; `None` at the end.
     ///
     /// # Errors
     /// [`AccessError`] if the file can't be read further.
@@ -87,7 +87,7 @@ impl Reading {
         }
     }
 
-    /// Goes on to what comes next and is not skipped. Its quality is not asked for: what is skipped is not looked at.
+    /// Reads the next item that is not skipped. The quality does not count records: skipped ones are not examined.
     ///
     /// # Errors
     /// As [`Reading::advance`].
@@ -118,49 +118,49 @@ impl Reading {
         })
     }
 
-    /// What came out last.
+    /// The latest record.
     pub const fn record(&self) -> &Record {
         &self.record
     }
 
-    /// Hands over what came out last to a diagnosis.
+    /// Passes the latest record to a diagnosis.
     ///
     /// # Errors
-    /// What a diagnosis that collects for a page may write.
+    /// If the diagnosis collects frames for a page and can't write its temporary file.
     pub fn hand_over(&mut self, diagnosis: &mut canvass_reports::diagnosis::Reading) -> std::io::Result<()> {
         diagnosis.record(&mut self.record, &self.merge)
     }
 
-    /// The capture as the readers of several captures know it.
+    /// The capture as a merge of a single capture.
     pub const fn merge(&self) -> &Merge {
         &self.merge
     }
 
-    /// What was seen so far.
+    /// The quality of the capture so far.
     pub const fn quality(&self) -> &Quality {
         &self.quality
     }
 
-    /// Its format.
+    /// The format of the capture.
     pub fn format(&self) -> Option<Format> {
         self.merge.sources().next().map(Capture::format)
     }
 
-    /// What its times count from, as far as it has shown.
+    /// The time base of the capture, as far as it is known.
     pub fn time_base(&self) -> TimeBase {
         self.merge.sources().next().map_or(TimeBase::None, canvass_traces::Reader::time_base)
     }
 
-    /// Why it could not be read to its end.
+    /// Why the capture could not be read to its end.
     pub fn stopped(&self) -> Option<&str> {
         self.stopped.as_deref()
     }
 
-    /// The SHA-256 in hexadecimal, if it was asked for. To be asked at the end: what a reader did not want to see is
-    /// hashed too.
+    /// The SHA-256 of the file in hexadecimal, if it was requested. Call it after the last item: it also hashes the
+    /// bytes that the reader did not need.
     ///
     /// # Errors
-    /// [`AccessError`] if the file can't be read once more.
+    /// [`AccessError`] if the file can't be read again.
     pub fn sha256(&self, access: &Access, file: &CaptureFile) -> Result<Option<String>, AccessError> {
         match self.notes.sha256() {
             Some((hashed, _)) if hashed < file.size => access.hash(file).map(Some),
@@ -169,7 +169,7 @@ impl Reading {
     }
 }
 
-/// Why a file is no capture, without its name, which the reader knows.
+/// Why a file is no capture. The text does not name the file, which the caller knows.
 fn reason(error: &OpenError) -> String {
     match error {
         OpenError::Io { source, .. } => source.to_string(),

@@ -10,16 +10,16 @@ use std::time::Duration;
 use tokio::net::TcpStream;
 use url::Url;
 
-/// A scheduler that is there answers sooner.
+/// Time limit for reaching the scheduler.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// The port of schedulers, where an address has none.
+/// The default port of schedulers.
 pub const PORT: u16 = 50050;
 
-/// A session on the cluster whose scheduler is at that address.
+/// A session on the cluster whose scheduler has this address.
 ///
 /// # Errors
-/// [`ClusterError`] if the address is wrong or nobody answers there.
+/// [`ClusterError`] if the address is wrong or no scheduler answers.
 pub async fn connect(address: &str, settings: &Settings) -> Result<SessionContext, ClusterError> {
     let (host, port) = parse(address)?;
     reach(&host, port).await?;
@@ -30,7 +30,7 @@ pub async fn connect(address: &str, settings: &Settings) -> Result<SessionContex
     Ok(session::complete(remote))
 }
 
-/// Host and port of `df://HOST:PORT`.
+/// Parses `df://HOST:PORT` into host and port.
 fn parse(address: &str) -> Result<(String, u16), ClusterError> {
     let url = Url::parse(address).ok().filter(|url| url.scheme() == "df" && matches!(url.path(), "" | "/"));
     let host = url.as_ref().and_then(Url::host_str).map(str::to_owned);
@@ -40,7 +40,7 @@ fn parse(address: &str) -> Result<(String, u16), ClusterError> {
     }
 }
 
-/// Whether somebody is there: told at once, and not in the middle of a query.
+/// Checks that a scheduler answers, so that an error appears at once and not during a query.
 async fn reach(host: &str, port: u16) -> Result<(), ClusterError> {
     let address = format!("{host}:{port}");
     let unreachable = |reason: String| ClusterError::Unreachable { address: address.clone(), reason };

@@ -1,4 +1,4 @@
-//! Tables and plans as bytes. Ours are a mark and JSON; all others are those of Ballista.
+//! Tables and plans as bytes. Those of canvass-fleet are a mark and JSON; all others have Ballista's encoding.
 
 use crate::capture::{CaptureFile, is_url};
 use crate::devices::Devices;
@@ -20,10 +20,11 @@ use serde::de::DeserializeOwned;
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// What our bytes begin with. No message of Ballista does: its first byte would be a field of a kind that there is not.
+/// The first bytes of our encoding. No message of Ballista begins with them: the first byte would be a protobuf field
+/// of an invalid type.
 const MARK: &[u8] = b"\x07canvass\n";
 
-/// What is sent, and of which version the tables are: processes of different versions would mean different columns.
+/// The message, with the version of the tables: processes of different versions would mean different columns.
 #[derive(Serialize, Deserialize)]
 struct Sent<T> {
     schema: u32,
@@ -33,39 +34,39 @@ struct Sent<T> {
 /// A table on its way to the scheduler.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
 pub enum SentTable {
-    /// One of captures.
+    /// A table of captures.
     Captures {
-        /// Which table.
+        /// The kind of the table.
         table: Table,
-        /// Its files.
+        /// The files of the table.
         files: Files,
-        /// What is known of the devices.
+        /// The rules of devices.
         devices: Devices,
-        /// Whether filters are asked before rows are made.
+        /// Whether filters are applied before rows are made.
         push_down: bool,
     },
-    /// One of a lake.
+    /// A table of a lake.
     Lake(LakeSpec),
     /// An ingest.
     Ingest {
-        /// What is done.
+        /// The parameters of the ingest.
         spec: IngestSpec,
         /// The files of each partition.
         partitions: Vec<Vec<CaptureFile>>,
     },
 }
 
-/// A plan on its way to an executor; the files that it reads are its input.
+/// A plan on its way to an executor; the files that the plan reads are its input.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
 pub enum SentPlan {
-    /// Captures are read.
+    /// A plan that reads captures.
     Scan(ScanSpec),
-    /// Captures are put into a lake.
+    /// A plan that puts captures into a lake.
     Ingest(IngestSpec),
 }
 
 impl SentTable {
-    /// What another computer has to know of a table; nothing where it is none of ours.
+    /// The description of a table for another computer; `None` if the table is not ours.
     ///
     /// Paths become absolute, as the other computer has another current folder.
     ///
@@ -118,22 +119,22 @@ fn absolute_files(files: &Files) -> Result<Files> {
     })
 }
 
-/// Writes what is ours.
+/// Writes our encoding of a table or plan.
 ///
 /// # Errors
-/// If it can't be JSON.
+/// If the value can't be JSON.
 pub fn write<T: Serialize>(what: T, bytes: &mut Vec<u8>) -> Result<()> {
     bytes.extend_from_slice(MARK);
     let sent = Sent { schema: SCHEMA_VERSION, what };
     serde_json::to_writer(bytes, &sent).map_err(|error| DataFusionError::External(Box::new(error)))
 }
 
-/// Reads what is ours; nothing where it is Ballista's.
+/// Reads our encoding; `None` if the encoding is Ballista's.
 ///
 /// # Errors
-/// If it is damaged, or of another version of canvass-fleet.
+/// If the bytes are damaged, or come from another version of canvass-fleet.
 pub fn read<T: DeserializeOwned>(bytes: &[u8]) -> Result<Option<T>> {
-    /// Only the version, whatever else there is.
+    /// The version alone, which can be read from a message of any version.
     #[derive(Deserialize)]
     struct Version {
         schema: u32,
@@ -153,7 +154,7 @@ pub fn read<T: DeserializeOwned>(bytes: &[u8]) -> Result<Option<T>> {
     Ok(Some(sent.what))
 }
 
-/// Tables as bytes.
+/// Encodes tables.
 #[derive(Debug, Default)]
 pub struct LogicalCodec(BallistaLogicalExtensionCodec);
 
@@ -200,7 +201,7 @@ impl LogicalExtensionCodec for LogicalCodec {
     }
 }
 
-/// Plans as bytes.
+/// Encodes plans.
 #[derive(Debug, Default)]
 pub struct PhysicalCodec {
     ballista: BallistaPhysicalExtensionCodec,
@@ -208,7 +209,7 @@ pub struct PhysicalCodec {
 }
 
 impl PhysicalCodec {
-    /// That of an executor, which tells its name with every error.
+    /// The codec of an executor, which adds the executor's name to every error.
     pub fn at(host: &str) -> Self {
         Self { host: Some(Arc::from(host)), ..Self::default() }
     }

@@ -1,4 +1,4 @@
-//! Ballista's executor, which decodes captures where it runs.
+//! Ballista's executor, which decodes captures on the computer where it runs.
 
 use super::codec::{LogicalCodec, PhysicalCodec};
 use super::{ClusterError, LONGEST_MESSAGE, config};
@@ -9,20 +9,21 @@ use std::net::{SocketAddr, TcpListener};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// What an executor is to be like.
+/// The settings of an executor.
 #[derive(Clone, Debug)]
 pub struct Executor {
     /// Host and port of the scheduler.
     pub scheduler: (String, u16),
-    /// Where others fetch what tasks gave; tasks come in at the next port. Port 0: two that are free.
+    /// The address at which others fetch the results of tasks; tasks arrive at the next port. Port 0 chooses two free
+    /// ports.
     pub bind: SocketAddr,
-    /// How others reach it; nothing: by the address that it calls the scheduler from.
+    /// The name by which others reach the executor; `None`: the address from which it calls the scheduler.
     pub advertise: Option<String>,
-    /// Where the results of tasks are kept; nothing: a folder that is gone with the process.
+    /// The folder for the results of tasks; `None`: a temporary folder, removed at the end.
     pub work_dir: Option<PathBuf>,
     /// Number of tasks that run at a time; `None`: number of processors.
     pub tasks: Option<usize>,
-    /// How many bytes of memory all tasks together may take.
+    /// Number of bytes of memory that all tasks together may take.
     pub memory: Option<usize>,
 }
 
@@ -33,7 +34,7 @@ const HEARTBEAT_SECONDS: u64 = 3;
 const PATIENCE_SECONDS: u16 = 30;
 
 impl Executor {
-    /// Works until the process is told to end.
+    /// Runs until the process is asked to end.
     ///
     /// # Errors
     /// [`ClusterError`] if a port can't be opened or the scheduler can't be reached.
@@ -67,13 +68,13 @@ impl Executor {
         ended.map_err(|error| ClusterError::Stopped { process: "executor", reason: error.to_string() })
     }
 
-    /// What errors call this computer.
+    /// The name of this computer in error messages.
     fn host(&self) -> String {
         let named = || computer_name().filter(|_| self.bind.ip().is_unspecified());
         self.advertise.clone().or_else(named).unwrap_or_else(|| self.bind.ip().to_string())
     }
 
-    /// The two ports. That they can be opened is tried, so that the reason is told if not.
+    /// The two ports. Both are opened once, so that the reason is reported if that fails.
     fn ports(&self) -> Result<(u16, u16), ClusterError> {
         let open = |port: u16| {
             let address = SocketAddr::new(self.bind.ip(), port);
@@ -84,13 +85,13 @@ impl Executor {
             0 => 0,
             port => port.checked_add(1).unwrap_or(port - 1),
         };
-        // Both are open at the same time, so that they are two.
+        // Both ports are open at the same time, so that they differ.
         let (one, other) = (open(self.bind.port())?, open(second)?);
         Ok((one.0, other.0))
     }
 }
 
-/// The name of this computer, where the system tells it in a file or the environment.
+/// The name of this computer, if the system offers it in a file or the environment.
 fn computer_name() -> Option<String> {
     let told = std::fs::read_to_string("/proc/sys/kernel/hostname").ok();
     let variable = || ["HOSTNAME", "COMPUTERNAME"].into_iter().find_map(|name| std::env::var(name).ok());

@@ -15,16 +15,16 @@ use codec::{LogicalCodec, PhysicalCodec};
 use datafusion::prelude::SessionConfig;
 use std::sync::Arc;
 
-/// The longest message between the processes: a plan names all its files.
+/// Maximum length of a message between the processes in bytes; a plan names all its files.
 pub const LONGEST_MESSAGE: u32 = 256 << 20;
 
-/// Why a part of a cluster can't do its work.
+/// Why a part of a cluster fails.
 #[derive(Debug, thiserror::Error)]
 pub enum ClusterError {
-    /// An address is not written as addresses are.
+    /// The syntax of an address is wrong.
     #[error("\"{0}\" is no address of a scheduler: expected df://HOST:PORT, such as df://localhost:50050")]
     Address(String),
-    /// Nobody answers there.
+    /// No scheduler answers at the address.
     #[error("no scheduler answers at {address}: {reason}; `canvass-fleet scheduler --bind {address}` starts one")]
     Unreachable {
         /// The address.
@@ -43,7 +43,7 @@ pub enum ClusterError {
     /// The process ended on its own.
     #[error("the {process} stopped: {reason}")]
     Stopped {
-        /// Which process.
+        /// The name of the process.
         process: &'static str,
         /// The reason.
         reason: String,

@@ -18,10 +18,10 @@ use std::net::SocketAddr;
 use std::sync::Arc;
 use tokio::net::TcpListener;
 
-/// Seconds of silence after which an executor is taken for dead, and its work is given to others.
+/// Seconds of silence after which an executor counts as dead, and other executors get its work.
 const SILENT_SECONDS: u64 = 15;
 
-/// Schedules until the process is told to end; `ready` is told the address.
+/// Runs the scheduler until the process is asked to end; `ready` gets the address.
 ///
 /// # Errors
 /// [`ClusterError`] if the port can't be opened or the scheduler stops on its own.
@@ -47,7 +47,7 @@ fn scheduler_config(address: SocketAddr) -> SchedulerConfig {
     SchedulerConfig {
         bind_host: address.ip().to_string(),
         bind_port: address.port(),
-        // One process after the other gets a task, so that all have work.
+        // Executors get tasks in turn, so that all of them have work.
         task_distribution: TaskDistributionPolicy::RoundRobin,
         executor_timeout_seconds: SILENT_SECONDS,
         expire_dead_executor_interval_seconds: 2,
@@ -76,7 +76,7 @@ fn session(config: SessionConfig) -> Result<SessionState> {
     Ok(builder.build())
 }
 
-/// Ends when the process is told to end: Ctrl-C, or SIGTERM as service managers send it.
+/// Returns when the process is asked to end: Ctrl-C, or SIGTERM as service managers send it.
 async fn told_to_end() {
     let interrupted = async {
         if tokio::signal::ctrl_c().await.is_err() {

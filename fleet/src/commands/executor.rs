@@ -1,4 +1,4 @@
-//! `canvass-fleet executor`: the process that decodes captures and works on their rows.
+//! `canvass-fleet executor`: the process that decodes captures and computes with their rows.
 
 use super::server;
 use crate::cli::parse_size;

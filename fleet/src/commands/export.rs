@@ -1,4 +1,5 @@
-//! `canvass-fleet decode`, `signals` and `diagnose`: what captures hold as one table, for programs that read Parquet or Arrow.
+//! `canvass-fleet decode`, `signals` and `diagnose`: the contents of captures as one table, for programs that read
+//! Parquet or Arrow.
 
 use super::sql::Answers;
 use crate::cli::Engine;
@@ -89,7 +90,7 @@ impl Export {
             })
             .await?;
         file.map_or(Ok(()), WholeFile::complete)?;
-        // The rest is written all the same.
+        // Unreadable files are reported; the rows of all others have been written.
         if unreadable > 0 {
             return Err(anyhow!("not everything could be read").into());
         }

@@ -1,4 +1,4 @@
-//! `canvass-fleet report`: what a lake tells, as a page.
+//! `canvass-fleet report`: the contents of a lake as a page.
 
 use crate::cli::Engine;
 use crate::output::WholeFile;
@@ -23,7 +23,7 @@ pub struct Args {
     engine: Engine,
 }
 
-/// A file and what is written there: HTML.
+/// The file that gets the HTML page.
 #[derive(Clone, Debug)]
 struct Destination(PathBuf);
 

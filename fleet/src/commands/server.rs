@@ -1,4 +1,4 @@
-//! What processes of a cluster say while they run: lines on standard error.
+//! Log messages of cluster processes while they run: lines on standard error.
 
 use crate::output::diagnostic;
 use crate::status::Failure;
@@ -20,7 +20,7 @@ struct Lines;
 
 impl Log for Lines {
     fn enabled(&self, metadata: &Metadata<'_>) -> bool {
-        // Libraries below tell each frame of each connection.
+        // Other libraries log each frame of each connection.
         let is_engine = ["ballista", "datafusion", "canvass"].iter().any(|name| metadata.target().starts_with(name));
         is_engine || metadata.level() <= log::Level::Warn
     }
@@ -36,7 +36,7 @@ impl Log for Lines {
 }
 
 impl Logging {
-    /// From now on it is told.
+    /// Starts logging.
     pub fn begin(&self) -> Result<(), Failure> {
         log::set_logger(&Lines).map_err(|error| anyhow::anyhow!("{error}"))?;
         log::set_max_level(self.log);

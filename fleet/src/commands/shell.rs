@@ -19,13 +19,13 @@ statements end with a semicolon
 
 type Lines = Editor<(), FileHistory>;
 
-/// Answers what is typed, until the end.
+/// Answers typed statements and commands until the end of the input.
 pub async fn run(answers: Answers) -> Result<Status, Failure> {
     let config = Config::builder().auto_add_history(false).max_history_size(1000)?.build();
     let mut lines: Lines = Editor::with_config(config)?;
     let history = history_file();
     if let Some(file) = &history {
-        // There is none at first.
+        // The first session has no history file yet.
         let _ = lines.load_history(file);
     }
     print("canvass-fleet: \\? for help, \\q to leave")?;
@@ -46,7 +46,7 @@ pub async fn run(answers: Answers) -> Result<Status, Failure> {
     Ok(Status::Good)
 }
 
-/// The next statement or command; nothing at the end.
+/// Reads the next statement or command; `None` at the end.
 fn read(lines: &mut Lines) -> Result<Option<String>, Failure> {
     let mut typed = String::new();
     loop {
@@ -58,7 +58,7 @@ fn read(lines: &mut Lines) -> Result<Option<String>, Failure> {
                 }
                 typed.push_str(&line);
             }
-            // Ctrl-C gives up what was typed.
+            // Ctrl-C discards the typed lines.
             Err(ReadlineError::Interrupted) => typed.clear(),
             Err(ReadlineError::Eof) => return Ok(None),
             Err(error) => return Err(error.into()),
@@ -72,13 +72,13 @@ fn read(lines: &mut Lines) -> Result<Option<String>, Failure> {
     }
 }
 
-/// Whether there is no more to come.
+/// Whether the typed text is a whole statement or command.
 fn is_complete(typed: &str) -> bool {
     let typed = typed.trim();
     typed.starts_with('\\') || typed.ends_with(';') || matches!(typed, "quit" | "exit")
 }
 
-/// Does what was typed; `false` at the end.
+/// Executes a typed command; `false` at the end.
 async fn command(typed: &str, answers: &Answers) -> Result<bool, Failure> {
     let typed = typed.trim();
     let (word, rest) = typed.split_once(char::is_whitespace).unwrap_or((typed, ""));
@@ -89,7 +89,7 @@ async fn command(typed: &str, answers: &Answers) -> Result<bool, Failure> {
         "\\d" => describe(rest.trim().trim_end_matches(';'), answers).await?,
         other if other.starts_with('\\') => diagnostic(&format!("{other} is no command: \\? shows them")),
         _ => {
-            // Ctrl-C ends the statement and not the shell.
+            // Ctrl-C ends the statement, not the shell.
             tokio::select! {
                 answered = answers.all(typed, || Ok(raw())) => drop(answered?),
                 _ = tokio::signal::ctrl_c() => diagnostic("interrupted"),

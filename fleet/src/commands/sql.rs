@@ -90,12 +90,12 @@ pub struct Answers {
 }
 
 impl Answers {
-    /// Answers in that format; a table for people has so many rows, at most.
+    /// Prints answers in this format; a table for people shows at most `max_rows` rows.
     pub const fn new(session: SessionContext, format: Format, max_rows: usize) -> Self {
         Self { session, format, max_rows }
     }
 
-    /// Answers all statements of a text, one after the other. Gives back how many files were no captures.
+    /// Answers all statements of a text, one after the other. Returns how many files were no captures.
     pub async fn all(
         &self,
         text: &str,
@@ -135,13 +135,13 @@ impl Answers {
         Ok(tell_unreadable(&plan))
     }
 
-    /// What a shell asks the session for itself.
+    /// The session, for questions of the shell itself.
     pub const fn session(&self) -> &SessionContext {
         &self.session
     }
 }
 
-/// Says how many files were no captures.
+/// Prints how many files were no captures.
 fn tell_unreadable(plan: &Arc<dyn ExecutionPlan>) -> usize {
     let unreadable = unreadable(plan);
     if unreadable > 0 {

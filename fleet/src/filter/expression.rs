@@ -1,4 +1,4 @@
-//! Expressions of SQL as tests. What is no conjunction of tests stays with the query engine.
+//! Converts SQL expressions to tests. The query engine evaluates all expressions that are no conjunction of tests.
 
 use super::{Condition, Test};
 use datafusion::arrow::datatypes::{DataType, Schema, TimeUnit};
@@ -40,7 +40,7 @@ fn single(expression: &Expr, schema: &Schema) -> Option<Test> {
     }
 }
 
-/// What a column's values are compared as.
+/// The type as which a column's values are compared.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Kind {
     Number,
@@ -54,11 +54,11 @@ enum Value {
     Text(String),
 }
 
-/// The column that an expression is, where it can be tested.
+/// The column that an expression names, if tests can compare its values.
 fn column(expression: &Expr, schema: &Schema) -> Option<(String, Kind)> {
     let (column, cast) = match expression {
         Expr::Column(column) => (column, None),
-        // Only how a text is held changes.
+        // A cast of a text changes only its representation.
         Expr::Cast(cast) => match &*cast.expr {
             Expr::Column(column) => (column, Some(cast.field.data_type())),
             _ => return None,
@@ -82,14 +82,14 @@ fn column(expression: &Expr, schema: &Schema) -> Option<(String, Kind)> {
         Kind::Text => {
             matches!(to, DataType::Utf8 | DataType::Utf8View | DataType::LargeUtf8 | DataType::Dictionary(..))
         }
-        // All numbers but those of 64 bits without sign stay the same.
+        // A cast to 64 signed bits keeps all numbers but those of 64 unsigned bits.
         Kind::Number => matches!(to, DataType::Int64) && !matches!(field.data_type(), DataType::UInt64),
         Kind::Time | Kind::Flag => false,
     };
     cast.is_none_or(keeps).then(|| (column.name.clone(), kind))
 }
 
-/// A literal, as values of that kind are compared.
+/// A literal, as the values of this kind are compared.
 fn value(expression: &Expr, kind: Kind) -> Option<Value> {
     let Expr::Literal(scalar, _) = expression else { return None };
     let mut scalar = scalar;

@@ -1,4 +1,4 @@
-//! Filters that are asked before a row is made: plain data, which travel with a plan.
+//! Filters that are applied before a row is made. They are plain data, so that they can be sent with a plan.
 
 mod expression;
 
@@ -7,36 +7,36 @@ pub use expression::tests_of;
 use crate::table::column::{Get, Rows, Take, nanos};
 use serde::{Deserialize, Serialize};
 
-/// A column and what is asked of its value.
+/// A column and the condition on its value.
 #[derive(Clone, PartialEq, Eq, Hash, Debug, Serialize, Deserialize)]
 pub struct Test {
     /// The column's name.
     pub column: String,
-    /// What must hold.
+    /// The condition on the value.
     pub condition: Condition,
 }
 
-/// What must hold of a value. Of a value that is null nothing holds but [`Condition::Null`], as in SQL.
+/// A condition on a value. As in SQL, a value that is null fulfils no condition but [`Condition::Null`].
 #[derive(Clone, PartialEq, Eq, Hash, Debug, Serialize, Deserialize)]
 pub enum Condition {
-    /// It is not less and not more; `None` is open. Times in nanoseconds; yes is 1, no is 0.
+    /// The value is in this range, both ends included; `None` is open. Times are in nanoseconds, yes is 1, no is 0.
     Between(Option<i128>, Option<i128>),
-    /// It is one of these.
+    /// The value is one of these numbers.
     OneOf(Vec<i128>),
-    /// It is none of these.
+    /// The value is none of these numbers.
     NoneOf(Vec<i128>),
-    /// It is one of these texts.
+    /// The value is one of these texts.
     OneOfTexts(Vec<String>),
-    /// It is none of these texts.
+    /// The value is none of these texts.
     NoneOfTexts(Vec<String>),
-    /// There is none.
+    /// The value is null.
     Null,
-    /// There is one.
+    /// The value is not null.
     NotNull,
 }
 
 impl Condition {
-    /// Whether it holds of a number.
+    /// Whether a number fulfils the condition.
     pub fn of_number(&self, value: Option<i128>) -> bool {
         let Some(value) = value else { return matches!(self, Self::Null) };
         match self {
@@ -48,7 +48,7 @@ impl Condition {
         }
     }
 
-    /// Whether it holds of a text.
+    /// Whether a text fulfils the condition.
     pub fn of_text(&self, value: Option<&str>) -> bool {
         let Some(value) = value else { return matches!(self, Self::Null) };
         match self {
@@ -60,7 +60,7 @@ impl Condition {
     }
 }
 
-/// The tests of one table, with how each finds its value.
+/// The tests of one table, each with the function that gets its value.
 pub struct Filter<R: Rows> {
     tests: Vec<Found<R>>,
     scratch: String,
@@ -68,7 +68,7 @@ pub struct Filter<R: Rows> {
 
 /// A test and its column.
 enum Found<R: Rows> {
-    /// The number is that one, as is asked most.
+    /// The number has this value: the most frequent test, and the fastest.
     Is(Take<R, u64>, u64),
     Any(Get<R>, Condition),
 }
@@ -90,7 +90,7 @@ impl<R: Rows> Found<R> {
 }
 
 impl<R: Rows> Filter<R> {
-    /// These tests. One of a column that the table has not lets nothing pass.
+    /// A filter of these tests. A test of a column that the table lacks lets no row pass.
     pub fn new(tests: &[Test]) -> Self {
         let find = |test: &Test| {
             let column = R::COLUMNS.iter().find(|column| column.name == test.column);
@@ -103,8 +103,8 @@ impl<R: Rows> Filter<R> {
         Self { tests: tests.iter().map(find).collect(), scratch: String::new() }
     }
 
-    /// Those of these tests that tell by one row what they say of all that are alike; of frames with 29-bit CAN-IDs `any_id`
-    /// leaves the CAN-ID out, which is another one for each.
+    /// A filter of only those tests that give the same result for all rows of frames that are alike. Frames with 29-bit
+    /// CAN-IDs may be alike and differ in the CAN-ID: `any_id` omits the tests of the CAN-ID.
     pub fn of_alike(tests: &[Test], any_id: bool) -> Self {
         let is_alike = |test: &&Test| R::ALIKE.contains(&&*test.column) && !(any_id && test.column == "can_id");
         Self::new(&tests.iter().filter(is_alike).cloned().collect::<Vec<_>>())
@@ -138,7 +138,7 @@ fn passes<R: Rows>(get: &Get<R>, condition: &Condition, row: &R::Row<'_>, scratc
             let is_there = write(row, scratch);
             condition.of_text(is_there.then_some(scratch.as_str()))
         }
-        // `tests_of` makes no tests of these.
+        // `tests_of` makes no tests of such columns.
         Get::Real(_) | Get::Bytes(_) => false,
     }
 }

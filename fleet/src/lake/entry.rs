@@ -1,4 +1,4 @@
-//! What a lake knows of each file that it was made from: plain data, which travel back from where a file was read.
+//! The entry of a lake about each source file. Entries are plain data: the computer that read a file sends them back.
 
 use crate::capture::CaptureFile;
 use crate::devices::Devices;
@@ -7,24 +7,24 @@ use canvass_traces::Timestamp;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
-/// A capture or result, and the files of the lake that its rows are in.
+/// A capture or result, and the files of the lake that hold its rows.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
 pub struct Entry {
-    /// The file that it was made from.
+    /// The source file.
     pub file: CaptureFile,
-    /// The rules by which it was read: [`rules`].
+    /// The rules by which the file was read, from [`rules`].
     pub rules: String,
-    /// Its SHA-256 in hexadecimal; empty where it could not be read: it is tried again.
+    /// The SHA-256 of the file in hexadecimal; empty if the file could not be read, so that the next run tries again.
     pub sha256: String,
-    /// The first and the last moment of its rows in nanoseconds; nothing where they are not known.
+    /// The first and the last time of the rows in nanoseconds; `None` if they are not known.
     pub span: Option<(i64, i64)>,
-    /// The other file with the same content, whose rows stand for both.
+    /// The name of another file with the same content, whose rows count for both.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub copy_of: Option<String>,
-    /// Why it could not be read, or not to its end.
+    /// Why the file could not be read, or not to its end.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub reason: Option<String>,
-    /// Its files in the lake.
+    /// The files of the lake that hold the rows.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub parts: Vec<Part>,
 }
@@ -34,36 +34,36 @@ pub struct Entry {
 pub struct Part {
     /// The table.
     pub table: Table,
-    /// The day of the first frame: `2025-01-28`.
+    /// The date of the first frame, such as `2025-01-28`.
     pub date: String,
-    /// Its name, without the folder.
+    /// The file name without the folder.
     pub name: String,
-    /// Its rows.
+    /// Number of rows.
     pub rows: u64,
-    /// Its length in bytes.
+    /// The length of the file in bytes.
     pub bytes: u64,
 }
 
 impl Part {
-    /// Its path in the lake: `messages/date=2025-01-28/….parquet`.
+    /// The path of the file in the lake: `messages/date=2025-01-28/….parquet`.
     pub fn path(&self) -> String {
         format!("{}/date={}/{}", self.table.name(), self.date, self.name)
     }
 }
 
 impl Entry {
-    /// Whether its rows are those of its content, read by these rules.
+    /// Whether the lake holds rows made from the content of this file by these rules.
     pub fn stands(&self, rules: &str) -> bool {
         self.copy_of.is_none() && self.rules == rules && !self.sha256.is_empty()
     }
 
-    /// Whether the file is as it was when it was read, and would be read in the same way.
+    /// Whether the file has not changed since it was read, and the rules are the same.
     pub fn is_of(&self, file: &CaptureFile, rules: &str) -> bool {
         self.file == *file && self.rules == rules && !self.sha256.is_empty()
     }
 }
 
-/// What tells apart by which rules captures were read: the devices, and the version of the tables.
+/// An identifier of the rules by which captures are read: a hash of the devices and the version of the tables.
 pub fn rules(devices: &Devices) -> String {
     let mut digest = Sha256::new();
     digest.update(SCHEMA_VERSION.to_le_bytes());
@@ -71,8 +71,8 @@ pub fn rules(devices: &Devices) -> String {
     short(&digest.finalize())
 }
 
-/// The name of the Parquet files of a capture: the same for the same file and rules, so that what is made twice is there
-/// once.
+/// The name of the Parquet files of a capture. The same file and rules give the same name, so that a repeated run
+/// replaces files instead of duplicating them.
 pub fn part_name(file: &CaptureFile, rules: &str) -> String {
     let mut digest = Sha256::new();
     digest.update(file.name.as_bytes());
@@ -87,7 +87,7 @@ fn short(digest: &[u8]) -> String {
     digest.iter().take(16).map(|byte| format!("{byte:02x}")).collect()
 }
 
-/// The day of a moment, in UTC; that of 1970 where there is none.
+/// The date of a time in UTC; 1970-01-01 for `None`.
 pub fn day(time: Option<Timestamp>) -> String {
     let nanos = i128::from(time.unwrap_or_default().nanos());
     let moment = jiff::Timestamp::from_nanosecond(nanos).unwrap_or(jiff::Timestamp::UNIX_EPOCH);

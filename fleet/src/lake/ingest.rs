@@ -1,4 +1,4 @@
-//! A run: which files are new, what they give, and commits on the way.
+//! A run of an ingest: finds new files, reads them, and commits their entries on the way.
 
 use super::plan::{IngestSpec, IngestTable};
 use super::{Entry, LakeError, Location, Snapshot, leftovers, rules};
@@ -15,57 +15,58 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 use tokio::runtime::Handle;
 
-/// What is to be done.
+/// The parameters of a run.
 #[derive(Clone, Debug)]
 pub struct Ingest {
     /// Files, folders and patterns, on disk or in an object store.
     pub sources: Vec<String>,
     /// The lake.
     pub lake: String,
-    /// What is known of the devices.
+    /// The rules of devices.
     pub devices: Devices,
-    /// Whether files are hashed that seem not to have changed by their length and time.
+    /// Whether files with unchanged length and time are hashed, too.
     pub rehash: bool,
 }
 
-/// How far a run is.
+/// The progress of a run.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub struct Progress {
-    /// Files that are done.
+    /// Number of finished files.
     pub files: usize,
-    /// Their bytes.
+    /// Number of bytes in the finished files.
     pub bytes: u64,
-    /// All files.
+    /// Number of all files.
     pub all_files: usize,
-    /// All bytes.
+    /// Number of bytes in all files.
     pub all_bytes: u64,
 }
 
-/// What a run has done.
+/// The result of a run.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Summary {
-    /// Files that are new in the lake.
+    /// Number of new files in the lake.
     pub added: usize,
-    /// Files whose rows were replaced, as they or the rules have changed.
+    /// Number of files whose rows were replaced, as the file or the rules have changed.
     pub replaced: usize,
-    /// Files that were in the lake already.
+    /// Number of files that were in the lake already.
     pub known: usize,
-    /// Files with the same content as another one, whose rows stand for both.
+    /// Number of files with the same content as another file, whose rows count for both.
     pub copies: usize,
     /// Files that could not be read, or not to their end, with the reason.
     pub broken: Vec<(String, String)>,
-    /// Rows that were written.
+    /// Number of written rows.
     pub rows: u64,
-    /// Bytes that were written.
+    /// Number of written bytes.
     pub bytes: u64,
 }
 
-/// Entries are committed when [`WAITING`] of them wait, or when the first has waited [`LONGEST_WAIT`].
+/// Number of waiting entries at which they are committed; they are also committed when the first has waited
+/// [`LONGEST_WAIT`].
 const WAITING: usize = 64;
 const LONGEST_WAIT: Duration = Duration::from_secs(2);
 
 impl Ingest {
-    /// Does it: in the session's process, or on its cluster.
+    /// Runs the ingest in the session's process or on its cluster.
     ///
     /// # Errors
     /// If there is nothing to read, or the lake can't be written.
@@ -105,7 +106,7 @@ impl Run {
         Ok(Self { location, snapshot, rules, summary, waiting, waiting_since: Instant::now() })
     }
 
-    /// The files that have to be read. What is known is counted, copies are noted.
+    /// The files that have to be read. Known files are counted, copies get their entries.
     async fn plan(&mut self, files: Vec<CaptureFile>, access: &Access, rehash: bool) -> Result<Vec<CaptureFile>> {
         let all = files.len();
         let changed = self.changed(files, rehash);
@@ -113,7 +114,7 @@ impl Run {
         let hashes = self.hashes(&changed, access).await?;
         let (same, changed): (Vec<_>, Vec<_>) = changed.into_iter().partition(|file| self.is_same(file, &hashes));
         let changing: BTreeSet<&String> = changed.iter().map(|file| &file.name).collect();
-        // By content: which file's rows stand for it.
+        // For each content, the file whose rows are in the lake.
         let entries = self.snapshot.entries.values();
         let standing = entries.filter(|entry| entry.stands(&self.rules) && !changing.contains(&entry.file.name));
         let mut stands: BTreeMap<String, String> =
@@ -133,7 +134,7 @@ impl Run {
         Ok(todo)
     }
 
-    /// The files that are not as the lake knows them, and the copies of these.
+    /// The files that differ from their entries in the lake, and the copies of these files.
     fn changed(&self, files: Vec<CaptureFile>, rehash: bool) -> Vec<CaptureFile> {
         let known = |file: &CaptureFile| self.snapshot.entries.get(&file.name);
         let is_changed = |file: &CaptureFile| rehash || known(file).is_none_or(|entry| !entry.is_of(file, &self.rules));
@@ -151,7 +152,7 @@ impl Run {
         entry.is_some_and(|entry| hashes.get(&file.name) == Some(&entry.sha256))
     }
 
-    /// The SHA-256 of the files that may have the content of another one: those of the same length.
+    /// The SHA-256 of each file that may equal another file, because their lengths are the same.
     async fn hashes(&self, files: &[CaptureFile], access: &Access) -> Result<BTreeMap<String, String>> {
         let mut lengths: BTreeMap<u64, usize> = BTreeMap::new();
         files.iter().for_each(|file| *lengths.entry(file.size).or_default() += 1);
@@ -159,7 +160,7 @@ impl Run {
         let same = files.iter().filter(|file| lengths.get(&file.size).is_some_and(|count| *count > 1)).cloned();
         let hash = |file: CaptureFile| {
             let access = access.clone();
-            // One that can't be read is told of when it is to be ingested.
+            // An unreadable file is reported when it is ingested.
             async move {
                 let hashed = tokio::task::spawn_blocking(move || access.hash(&file).ok().map(|hash| (file.name, hash)));
                 hashed.await.map_err(|error| DataFusionError::External(Box::new(error)))
@@ -170,7 +171,7 @@ impl Run {
         Ok(hashed.into_iter().flatten().collect())
     }
 
-    /// The same content under the same name: its rows stay.
+    /// Updates the entry of a file with unchanged content: its rows stay.
     fn touch(&mut self, file: &CaptureFile) {
         if let Some(entry) = self.snapshot.entries.get(&file.name) {
             self.summary.known += 1;
@@ -179,7 +180,7 @@ impl Run {
         }
     }
 
-    /// The same content under another name: its rows are those of the other file.
+    /// Adds the entry of a file with the content of another file, whose rows count for both.
     fn copy(&mut self, file: &CaptureFile, sha256: &str, of: &str) {
         self.summary.copies += 1;
         let (file, rules, sha256) = (file.clone(), self.rules.clone(), sha256.to_owned());
@@ -245,7 +246,7 @@ impl Run {
         self.wait(entry);
     }
 
-    /// Commits what waits, and deletes the files of what it replaces.
+    /// Commits the waiting entries, and deletes the files of the entries that they replace.
     async fn commit(&mut self) -> Result<()> {
         if self.waiting.is_empty() {
             return Ok(());

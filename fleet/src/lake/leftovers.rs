@@ -1,4 +1,4 @@
-//! What a run that was killed has left: files that belong to nothing.
+//! Cleans up after a killed run: files that belong to no entry.
 
 use super::{Entry, LakeError, Location};
 use crate::table::Table;
@@ -8,7 +8,7 @@ use std::collections::BTreeSet;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Deletes the files of tables that no entry tells of, and those that are half written.
+/// Deletes the files of tables that no entry names, and incomplete files.
 ///
 /// # Errors
 /// [`LakeError`] if the lake can't be listed or written.
@@ -30,7 +30,7 @@ pub async fn delete(location: &Location, entries: impl Iterator<Item = &Entry>) 
     Ok(())
 }
 
-/// Deletes what the store of this computer has begun beside a file's place, `….parquet#1`: it lists no such names.
+/// Deletes incomplete files of the local store, such as `….parquet#1`: the store itself does not list these names.
 fn half_written(folder: &Path) -> Result<(), LakeError> {
     let failed = |error: io::Error| LakeError::Folder { folder: folder.to_owned(), source: error };
     let entries = match folder.read_dir() {
@@ -40,7 +40,7 @@ fn half_written(folder: &Path) -> Result<(), LakeError> {
     };
     for entry in entries {
         let path: PathBuf = entry.map_err(failed)?.path();
-        // A symbolic link leads out of the lake: nothing of it is ours.
+        // A symbolic link leads out of the lake: its target is not the lake's.
         let kind = path.symlink_metadata().map_err(failed)?.file_type();
         if kind.is_dir() {
             half_written(&path)?;

@@ -1,4 +1,4 @@
-//! Where a lake is: a folder of this computer, or of an object store.
+//! The location of a lake: a folder of this computer or of an object store.
 
 use super::LakeError;
 use crate::capture::is_url;
@@ -10,19 +10,19 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use url::Url;
 
-/// The place of a lake.
+/// The location of a lake.
 #[derive(Clone, Debug)]
 pub struct Location {
-    /// As a URL, with a slash at its end.
+    /// The URL of the lake, with a slash at its end.
     pub url: Url,
-    /// The store that it is in.
+    /// The store of the lake.
     pub store: Arc<dyn ObjectStore>,
-    /// Its folder in the store.
+    /// The lake's folder in the store.
     pub root: ObjectPath,
 }
 
 impl Location {
-    /// The place that a path or URL means.
+    /// The location of a path or URL.
     ///
     /// # Errors
     /// [`LakeError::Place`] if there is no such store.
@@ -39,20 +39,20 @@ impl Location {
         Ok(Self { url, store, root })
     }
 
-    /// Its folder, where it is one of this computer.
+    /// The lake's folder, if it is on this computer.
     pub fn folder(&self) -> Option<PathBuf> {
         if self.url.scheme() == "file" { self.url.to_file_path().ok() } else { None }
     }
 
-    /// A path in the lake.
+    /// The path in the store of a path in the lake.
     pub fn path(&self, relative: &str) -> ObjectPath {
         relative.split('/').fold(self.root.clone(), |path, part| path.join(part))
     }
 
-    /// The store as the query engine knows it.
+    /// The URL of the store, for the query engine.
     ///
     /// # Errors
-    /// [`LakeError::Place`] if the URL is of no kind that the engine knows.
+    /// [`LakeError::Place`] if the engine does not know this kind of URL.
     pub fn store_url(&self) -> Result<ObjectStoreUrl, LakeError> {
         let base = &self.url[url::Position::BeforeScheme..url::Position::BeforePath];
         let wrong = |reason: String| LakeError::Place { place: self.url.to_string(), reason };

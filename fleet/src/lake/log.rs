@@ -1,7 +1,7 @@
-//! The log of a lake: which files belong to it. What is not in the log is not there.
+//! The log of a lake: the list of its files. Files that the log does not name are not part of the lake.
 //!
-//! A commit is one object, written whole or not at all, and its number is free only once: a run that was killed leaves
-//! what it has committed, and of two runs at a time the second one to commit a number is refused.
+//! A commit is one object, written whole or not at all, and its number can be used only once. So a killed run leaves
+//! what it has committed, and if two runs commit the same number, the second one is refused.
 
 use super::{Entry, LakeError, Location};
 use bytes::Bytes;
@@ -10,29 +10,29 @@ use object_store::{ObjectStoreExt as _, PutMode, PutOptions, PutPayload};
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// The contract's name and version.
+/// The name and version of the contract.
 pub const SCHEMA: &str = "canvass/lake/1";
 
 /// A commit.
 #[derive(Clone, Debug, Serialize, Deserialize)]
 struct Commit {
     schema: String,
-    /// Whether it holds all entries: those before it are not needed any more.
+    /// Whether the commit holds all entries, so that earlier commits are not needed any more.
     complete: bool,
-    /// Entries that are new, or replace those of the same files.
+    /// Entries that are new, or replace the entries of the same files.
     entries: Vec<Entry>,
 }
 
-/// What a lake holds at a moment.
+/// The content of a lake at one moment.
 #[derive(Clone, Debug, Default)]
 pub struct Snapshot {
-    /// The number of the last commit; 0: there is no lake yet.
+    /// The number of the last commit; 0 if there is no lake yet.
     pub version: u64,
-    /// By the name of the file that each was made from.
+    /// The entries, by the names of the source files.
     pub entries: BTreeMap<String, Entry>,
 }
 
-/// Where the commits are.
+/// The folder of the commits.
 pub const FOLDER: &str = "log";
 
 fn name(version: u64) -> String {
@@ -40,12 +40,12 @@ fn name(version: u64) -> String {
 }
 
 impl Snapshot {
-    /// What a lake holds; nothing where there is none.
+    /// Reads the content of a lake, which is empty if there is no lake.
     ///
     /// # Errors
     /// [`LakeError`] if the log can't be read.
     pub async fn read(location: &Location) -> Result<Self, LakeError> {
-        // Somebody may just clear away the commits that a later one replaces.
+        // Another run may be deleting the commits that a later commit replaces.
         for _ in 0..3 {
             if let Some(snapshot) = Self::try_read(location).await? {
                 return Ok(snapshot);
@@ -82,10 +82,10 @@ impl Snapshot {
         self.entries.extend(entries.into_iter().map(|entry| (entry.file.name.clone(), entry)));
     }
 
-    /// Commits entries; gives back those that they replace.
+    /// Commits entries; returns the entries that they replace.
     ///
     /// # Errors
-    /// [`LakeError::Conflict`] if somebody else has committed meanwhile.
+    /// [`LakeError::Conflict`] if another run has committed meanwhile.
     pub async fn commit(&mut self, location: &Location, entries: Vec<Entry>) -> Result<Vec<Entry>, LakeError> {
         self.put(location, false, entries.clone()).await?;
         let replaced = entries.iter().filter_map(|entry| self.entries.get(&entry.file.name).cloned()).collect();
@@ -93,7 +93,7 @@ impl Snapshot {
         Ok(replaced)
     }
 
-    /// Begins a run: from now on the commits of others are refused. What was committed before becomes one commit.
+    /// Begins a run: from now on commits of other runs are refused. All earlier commits become one commit.
     ///
     /// # Errors
     /// As [`Snapshot::commit`].

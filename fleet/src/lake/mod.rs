@@ -1,4 +1,4 @@
-//! A lake: captures and results as Parquet, by table and date, with a log of what belongs to it.
+//! A lake: captures and results as Parquet, by table and date, with a log of its files.
 
 mod entry;
 mod ingest;
@@ -22,29 +22,29 @@ use datafusion::error::DataFusionError;
 /// Why a lake can't be read or written.
 #[derive(Debug, thiserror::Error)]
 pub enum LakeError {
-    /// There is no such place.
+    /// The location does not exist.
     #[error("{place} is no place for a lake: expected a folder or s3://BUCKET/PREFIX ({reason})")]
     Place {
-        /// As it was given.
+        /// The location as the user gave it.
         place: String,
         /// The reason.
         reason: String,
     },
-    /// There is no lake.
+    /// The location holds no lake.
     #[error("there is no lake at {0}: `canvass-fleet ingest … --into {0}` makes one")]
     Missing(String),
-    /// A commit can't be understood.
+    /// A commit is malformed.
     #[error("commit {version} of the lake can't be read: {reason}")]
     Log {
-        /// Its number.
+        /// The number of the commit.
         version: u64,
         /// The reason.
         reason: String,
     },
-    /// Somebody else writes.
+    /// Another run has committed to the lake.
     #[error("somebody else ingests into {0} at the same time: this run stops, and what it has committed stays")]
     Conflict(String),
-    /// Somebody else writes.
+    /// Other runs change the lake while it is read.
     #[error("the lake at {0} changes too quickly to be read: try again")]
     Changing(String),
     /// A folder of the lake can't be read or written.

@@ -1,4 +1,4 @@
-//! One file into the lake: it is read once, for all tables.
+//! Puts one file into the lake; the file is read once, for all tables.
 
 use super::parquet::{Folder, ParquetFile};
 use super::{Entry, Location, Part, part_name};
@@ -15,18 +15,18 @@ use canvass_traces::{Quality, Timestamp};
 use datafusion::arrow::datatypes::SchemaRef;
 use tokio::runtime::Handle;
 
-/// Rows in a batch.
+/// Number of rows in a batch.
 const BATCH: usize = 8192;
 
 /// Puts files into a lake.
 pub struct Ingester<'a> {
-    /// How files are read.
+    /// The access to source files, with the rules of devices.
     pub source: Source<'a>,
     /// The lake.
     pub location: &'a Location,
-    /// By which rules they are read.
+    /// The rules by which files are read, from `entry::rules`.
     pub rules: &'a str,
-    /// What waits is run on it.
+    /// The runtime for asynchronous writes.
     pub handle: Handle,
 }
 
@@ -55,7 +55,7 @@ impl Whole {
 }
 
 impl Ingester<'_> {
-    /// Puts a file into the lake. One that can't be read is told of in its entry.
+    /// Puts a file into the lake. The entry of an unreadable file tells the reason.
     ///
     /// # Errors
     /// [`ScanError`] if the lake can't be written or a device description can't be read.
@@ -82,7 +82,7 @@ impl Ingester<'_> {
         Entry { file: file.clone(), rules, sha256, span: None, copy_of: None, reason: None, parts: Vec::new() }
     }
 
-    /// A file that could not be read now: it is listed, and tried again by the next run.
+    /// The entry of a file that could not be read: the file is listed, and the next run tries again.
     fn unread(&self, file: &CaptureFile, failed: ScanError) -> Result<Entry, ScanError> {
         let ScanError::Access(failed) = failed else { return Err(failed) };
         let mut entry = self.no_capture(file, &Unreadable { reason: failed.to_string(), sha256: None })?;
@@ -90,7 +90,7 @@ impl Ingester<'_> {
         Ok(entry)
     }
 
-    /// A file that is of no known format.
+    /// The entry of a file that is of no known format.
     fn no_capture(&self, file: &CaptureFile, unreadable: &Unreadable) -> Result<Entry, ScanError> {
         let part = self.table::<Captures>(Table::Captures, &self.folder(file, None), |emitter| {
             unreadable_row(file, unreadable, |row| emitter.row(row)).map(|_| ())
@@ -101,7 +101,7 @@ impl Ingester<'_> {
         Ok(entry)
     }
 
-    /// A result of `canvass test` or `fuzz`; nothing where it is none.
+    /// Ingests a result of `canvass test` or `fuzz`; `None` if the file is no such result.
     fn result(&self, file: &CaptureFile) -> Result<Option<Entry>, ScanError> {
         if !file.name.ends_with(".json") || file.size > results::LONGEST {
             return Ok(None);
@@ -133,7 +133,7 @@ impl Ingester<'_> {
     }
 
     fn capture(&self, file: &CaptureFile, mut reading: Reading) -> Result<Entry, ScanError> {
-        // The folder is that of the day of the first frame.
+        // The date of the first frame determines the folder.
         let mut seen = reading.advance()?;
         let mut is_damaged = false;
         while seen == Some(Seen::Damage) {
@@ -160,7 +160,7 @@ impl Ingester<'_> {
         Ok(Entry { span, reason, parts, ..self.entry(file, sha256.unwrap_or_default()) })
     }
 
-    /// The tables that have rows for frames; `seen` is what has come out of the capture already.
+    /// Writes the tables with rows for frames; `seen` is the first item, which was read already.
     fn frames(
         &self,
         file: &CaptureFile,
@@ -182,7 +182,7 @@ impl Ingester<'_> {
                 let decoded = &network.handle(record);
                 if let Some(bus) = network.bus(record.channel) {
                     let frame = Understood { capture: &file.name, record, channels, decoded, bus };
-                    // A file that can't be written tells so when it is finished.
+                    // An error of writing is reported when the file is finished.
                     let _ = rows::message(frame, &mut to_messages)?;
                     let _ = rows::signals(frame, &mut to_signals)?;
                     let _ = happenings.frame(frame, &mut to_events)?;
@@ -200,7 +200,7 @@ impl Ingester<'_> {
     }
 }
 
-/// The first and the last moment, where the clock tells.
+/// The first and the last time; `None` if the clock of the capture jumps.
 fn span(quality: &Quality) -> Option<(i64, i64)> {
     let (first, last) = (quality.first?, quality.last?);
     (quality.steps.count == 0).then(|| (nanos(first), nanos(last)))

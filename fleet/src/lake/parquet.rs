@@ -1,4 +1,4 @@
-//! Batches on their way into Parquet files of a lake.
+//! Writes batches into the Parquet files of a lake.
 
 use super::{Location, Part, day};
 use crate::scan::ScanError;
@@ -17,23 +17,23 @@ use std::sync::Arc;
 use tokio::io::AsyncWriteExt as _;
 use tokio::runtime::Handle;
 
-/// Where the Parquet files of one capture go.
+/// The destination of the Parquet files of one capture.
 #[derive(Clone)]
 pub struct Folder {
     /// The lake.
     pub location: Location,
-    /// The name of the files, the same in every table.
+    /// The name of the files, the same for every table.
     pub name: String,
-    /// When the capture begins.
+    /// The time of the first frame of the capture.
     pub begin: Option<Timestamp>,
-    /// What waits is run on it.
+    /// The runtime for asynchronous writes.
     pub handle: Handle,
 }
 
-/// Rows in a row group: enough that columns compress, and few enough that a reader can pass over some.
+/// Number of rows in a row group: large enough that columns compress well, small enough that a reader can skip some.
 const GROUP: usize = 256 * 1024;
 
-/// The file of one table. Nothing is written while there are no rows.
+/// The file of one table. It is not created before its first row.
 pub struct ParquetFile {
     folder: Folder,
     part: Part,
@@ -42,7 +42,7 @@ pub struct ParquetFile {
 }
 
 impl ParquetFile {
-    /// A file that is to hold rows of that table.
+    /// A file for the rows of this table.
     pub fn new(folder: &Folder, table: Table) -> Self {
         let (date, name) = (day(folder.begin), folder.name.clone());
         Self {
@@ -65,10 +65,10 @@ impl ParquetFile {
         writer.write(batch).map_err(failed)
     }
 
-    /// Completes the file: only now it is there. Nothing where there were no rows.
+    /// Completes the file, which appears in the lake only now; `None` if it has no rows.
     ///
     /// # Errors
-    /// [`ScanError`] if it can't be written.
+    /// [`ScanError`] if the file can't be written.
     pub fn finish(mut self) -> Result<Option<Part>, ScanError> {
         if let Some(failure) = self.failure {
             return Err(failure);
@@ -108,7 +108,7 @@ fn properties() -> WriterProperties {
         .build()
 }
 
-/// An object that is written from where waiting is allowed. It is there when it is complete, or not at all.
+/// A blocking writer of an object. The object appears when it is complete, or not at all.
 struct ObjectWriter {
     object: BufWriter,
     bytes: u64,

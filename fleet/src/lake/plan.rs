@@ -1,5 +1,5 @@
-//! Ingesting as a plan: partitions of files, and a row for each file that is in the lake then. So it runs in one process
-//! and on a cluster alike.
+//! Ingesting as a plan: partitions of files, and a result row for each file put into the lake. So an ingest runs in one
+//! process or on a cluster.
 
 use super::one_file::Ingester;
 use super::{Location, rules};
@@ -22,12 +22,12 @@ use std::sync::Arc;
 use tokio::runtime::Handle;
 use tokio::sync::mpsc::Sender;
 
-/// What an ingest does: plain data, which can be sent to another computer.
+/// The parameters of an ingest: plain data, which can be sent to another computer.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
 pub struct IngestSpec {
     /// The lake: a path or a URL.
     pub lake: String,
-    /// What is known of the devices.
+    /// The rules of devices.
     pub devices: Devices,
 }
 
@@ -36,8 +36,8 @@ fn schema() -> SchemaRef {
     Arc::new(Schema::new(vec![Field::new("entry", DataType::Utf8, false)]))
 }
 
-/// Puts the files that its input names into a lake. What it gives are entries; they belong to the lake when they are
-/// committed.
+/// Puts the files that its input names into a lake, and outputs their entries. The caller commits the entries; only
+/// then the files belong to the lake.
 #[derive(Debug)]
 pub struct IngestScan {
     spec: Arc<IngestSpec>,
@@ -46,13 +46,13 @@ pub struct IngestScan {
 }
 
 impl IngestScan {
-    /// A plan that does this with the files of a [`files::plan`].
+    /// An ingest of the files of a [`files::plan`].
     pub fn new(spec: IngestSpec, input: Arc<dyn ExecutionPlan>) -> Self {
         let properties = files::properties(&schema(), &input);
         Self { spec: Arc::new(spec), input, properties }
     }
 
-    /// What it does.
+    /// The parameters of the ingest.
     pub fn spec(&self) -> &IngestSpec {
         &self.spec
     }
@@ -77,7 +77,7 @@ fn run(
         let entry = ingester.ingest(file)?;
         let json = serde_json::to_string(&entry).map_err(|error| DataFusionError::External(Box::new(error)))?;
         let column: ArrayRef = Arc::new(StringArray::from(vec![json]));
-        // Nobody waits any more: the run was stopped.
+        // The channel is closed: the run was stopped.
         if sender.blocking_send(Ok(RecordBatch::try_new(schema(), vec![column])?)).is_err() {
             break;
         }
@@ -113,7 +113,7 @@ impl ExecutionPlan for IngestScan {
     }
 }
 
-/// An ingest as a table, of which a query takes all rows.
+/// An ingest as a table; a query of all its rows runs the ingest.
 #[derive(Debug)]
 pub struct IngestTable {
     spec: IngestSpec,
@@ -121,7 +121,7 @@ pub struct IngestTable {
 }
 
 impl IngestTable {
-    /// The ingest that does this with these files.
+    /// An ingest of these files.
     pub const fn new(spec: IngestSpec, partitions: Vec<Vec<CaptureFile>>) -> Self {
         Self { spec, partitions }
     }
@@ -131,7 +131,7 @@ impl IngestTable {
         &self.partitions
     }
 
-    /// What it does.
+    /// The parameters of the ingest.
     pub const fn spec(&self) -> &IngestSpec {
         &self.spec
     }

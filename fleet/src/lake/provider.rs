@@ -1,4 +1,4 @@
-//! The tables of a lake: exactly the files that its log tells of, read by the engine's own Parquet reader.
+//! The tables of a lake: exactly the files that its log names, read by the engine's own Parquet reader.
 
 use super::{Entry, LakeError, Location, Part, Snapshot};
 use crate::filter::{Condition, tests_of};
@@ -28,7 +28,7 @@ pub struct LakeTable {
     schema: TableSchema,
 }
 
-/// A Parquet file, and the first and last moment of its rows where they are known.
+/// A Parquet file, with the first and last time of its rows if they are known.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
 struct File {
     part: Part,
@@ -45,7 +45,7 @@ pub struct LakeSpec {
 }
 
 impl LakeTable {
-    /// The table as a lake has it at a moment.
+    /// The table of a lake at the time of the snapshot.
     pub fn new(table: Table, location: Location, snapshot: &Snapshot) -> Self {
         let of_table = |entry: &Entry| {
             let span = entry.span;
@@ -55,15 +55,15 @@ impl LakeTable {
         Self::of_files(table, location, snapshot.entries.values().flat_map(of_table).collect())
     }
 
-    /// The table that was sent here.
+    /// The table from data sent by another computer.
     ///
     /// # Errors
-    /// [`LakeError::Place`] if the store of the lake is not known here.
+    /// [`LakeError::Place`] if this computer does not know the store of the lake.
     pub fn of_spec(spec: LakeSpec, runtime: &RuntimeEnv) -> Result<Self, LakeError> {
         Ok(Self::of_files(spec.table, Location::of(&spec.lake, runtime)?, spec.files))
     }
 
-    /// What another computer has to know of it.
+    /// The table as data for another computer.
     pub fn spec(&self) -> LakeSpec {
         LakeSpec { table: self.table, lake: self.location.url.to_string(), files: self.files.clone() }
     }
@@ -74,17 +74,17 @@ impl LakeTable {
         Self { table, location, files, schema }
     }
 
-    /// Which table it is.
+    /// The kind of the table.
     pub const fn table(&self) -> Table {
         self.table
     }
 
-    /// The paths of its files in the lake.
+    /// The paths of the table's files in the lake.
     pub fn paths(&self) -> impl Iterator<Item = String> {
         self.files.iter().map(|file| file.part.path())
     }
 
-    /// The files that may have rows which pass.
+    /// The files that may have rows which pass the filters.
     fn chosen(&self, filters: &[Expr]) -> Vec<File> {
         let tests: Vec<_> =
             filters.iter().filter_map(|filter| tests_of(filter, self.schema.table_schema())).flatten().collect();
@@ -123,7 +123,8 @@ impl TableProvider for LakeTable {
         TableType::Base
     }
 
-    /// Files are passed over; the engine filters their rows, and gives its filters to the Parquet reader itself.
+    /// Filters only skip files. The engine filters the rows of the others, and passes its filters to the Parquet reader
+    /// itself.
     fn supports_filters_pushdown(&self, filters: &[&Expr]) -> Result<Vec<TableProviderFilterPushDown>> {
         Ok(vec![TableProviderFilterPushDown::Inexact; filters.len()])
     }
@@ -150,7 +151,7 @@ impl TableProvider for LakeTable {
     }
 }
 
-/// Makes the tables of a lake known. `frames` is a view of `messages`: the lake keeps each frame once.
+/// Registers the tables of a lake in a session. `frames` is a view of `messages`: the lake stores each frame once.
 ///
 /// # Errors
 /// [`LakeError`] if there is no lake or it can't be read.

@@ -1,4 +1,4 @@
-//! Answers on their way out: tables for people, JSON Lines, CSV, Parquet and Arrow.
+//! Output of answers: tables for people, JSON Lines, CSV, Parquet and Arrow.
 
 mod binary;
 mod shown;
@@ -27,31 +27,31 @@ pub enum Format {
 }
 
 impl Format {
-    /// Whether it is not for terminals.
+    /// Whether the format is not for terminals.
     pub const fn is_binary(self) -> bool {
         matches!(self, Self::Parquet | Self::Arrow)
     }
 }
 
-/// Takes the batches of an answer.
+/// A writer of an answer, batch by batch.
 pub trait Answer {
-    /// Takes a batch.
+    /// Writes a batch.
     ///
     /// # Errors
-    /// If it can't be written.
+    /// If the batch can't be written.
     fn batch(&mut self, batch: &RecordBatch) -> Result<()>;
 
-    /// Writes what is left.
+    /// Writes the rest and completes the answer.
     ///
     /// # Errors
-    /// If it can't be written.
+    /// If the rest can't be written.
     fn finish(self: Box<Self>) -> Result<()>;
 }
 
-/// An answer of that schema in that format.
+/// A writer of an answer with this schema in this format.
 ///
 /// # Errors
-/// If its head can't be written.
+/// If the header can't be written.
 pub fn answer<'a>(format: Format, schema: &SchemaRef, out: Box<dyn Write + Send + 'a>) -> Result<Box<dyn Answer + 'a>> {
     Ok(match format {
         Format::Table => Box::new(text::Table::new(schema, out)),

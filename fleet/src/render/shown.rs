@@ -1,4 +1,4 @@
-//! Columns as texts hold them: bytes as hexadecimal digits, times as each format has them.
+//! Converts columns for text formats: bytes to hexadecimal digits, times to the form of each format.
 
 use datafusion::arrow::array::{Array, ArrayRef, AsArray, RecordBatch, StringArray};
 use datafusion::arrow::compute::cast;
@@ -6,7 +6,7 @@ use datafusion::arrow::datatypes::{DataType, Field, Schema};
 use datafusion::arrow::error::ArrowError;
 use std::sync::Arc;
 
-/// Bytes as upper-case hexadecimal digits; other columns as they are.
+/// Converts bytes to upper-case hexadecimal digits; other columns stay unchanged.
 pub fn with_digits(batch: &RecordBatch) -> Result<RecordBatch, ArrowError> {
     changed(batch, |column| match column.data_type() {
         DataType::Binary => Ok(digits(column.as_binary::<i32>().iter())),
@@ -16,7 +16,7 @@ pub fn with_digits(batch: &RecordBatch) -> Result<RecordBatch, ArrowError> {
     })
 }
 
-/// The same, and times as integer nanoseconds: the rule of all JSON outputs.
+/// Converts bytes to upper-case hexadecimal digits and times to integer nanoseconds, as in all JSON outputs.
 pub fn for_json(batch: &RecordBatch) -> Result<RecordBatch, ArrowError> {
     changed(&with_digits(batch)?, |column| match column.data_type() {
         DataType::Timestamp(_, zone) => {

@@ -1,4 +1,4 @@
-//! Answers as text. What comes out of captures is hostile: nothing in it acts on a terminal or in a spreadsheet.
+//! Answers as text. Texts of captures may be hostile: no character of them controls a terminal or a spreadsheet.
 
 use super::Answer;
 use super::shown::{for_json, with_digits};
@@ -14,7 +14,7 @@ use datafusion::error::Result;
 use std::io::{self, Write};
 use std::sync::Arc;
 
-/// The texts of a column, one for each row; nothing for null.
+/// The texts of a column, one for each row; `None` for null.
 fn texts(column: &ArrayRef) -> Result<Vec<Option<String>>, ArrowError> {
     let formatter = ArrayFormatter::try_new(column, &FormatOptions::default())?;
     let text = |row: usize| match column.is_null(row) {
@@ -24,7 +24,7 @@ fn texts(column: &ArrayRef) -> Result<Vec<Option<String>>, ArrowError> {
     (0..column.len()).map(text).collect()
 }
 
-/// A table for people. It is as wide as its widest rows, so that rows wait until it is complete.
+/// A table for people. Its column widths depend on all rows, so that the rows wait until the answer is complete.
 pub struct Table<'a> {
     schema: SchemaRef,
     batches: Vec<RecordBatch>,
@@ -58,12 +58,12 @@ impl Answer for Table<'_> {
     }
 }
 
-/// JSON Lines, an object for each row.
+/// JSON Lines: an object for each row.
 pub struct JsonLines<'a> {
     writer: datafusion::arrow::json::Writer<Escaped<'a>, LineDelimited>,
 }
 
-/// JSON in whose texts nothing acts.
+/// A writer of JSON that escapes control characters in texts.
 struct Escaped<'a>(Box<dyn Write + Send + 'a>);
 
 impl Write for Escaped<'_> {
@@ -99,10 +99,10 @@ impl Answer for JsonLines<'_> {
     }
 }
 
-/// Comma-separated values: null is empty.
+/// Comma-separated values; null is an empty cell.
 pub struct Csv<'a> {
     out: Box<dyn Write + Send + 'a>,
-    /// The lines of the batch under way, and the cell.
+    /// The lines of the current batch, and the current cell.
     lines: Vec<u8>,
     cell: String,
 }

@@ -1,4 +1,4 @@
-//! Times as texts: captures have thousands of frames in a second, so what stands before the fraction is made once for each.
+//! Times as texts. Captures have thousands of frames a second, so the text of a second is made once for all its frames.
 
 use datafusion::arrow::array::{Array, ArrayRef, AsArray, TimestampNanosecondArray};
 use datafusion::arrow::datatypes::{DataType, TimeUnit, TimestampNanosecondType};
@@ -8,20 +8,20 @@ use std::fmt::Write;
 
 const SECOND: i64 = 1_000_000_000;
 
-/// Writes the values of a column as Arrow does; nothing for null.
+/// Writes the values of a column as Arrow does; writes nothing for null.
 pub struct Texts<'a> {
     formatter: ArrayFormatter<'a>,
-    /// Where they are nanoseconds in UTC.
+    /// The column, if it has nanoseconds in UTC.
     times: Option<&'a TimestampNanosecondArray>,
-    /// The second of the last time, and that time up to its seconds.
+    /// The second of the last time, and the text of that time without its fraction.
     second: Option<(i64, String)>,
 }
 
 impl<'a> Texts<'a> {
-    /// Of that column.
+    /// The texts of this column.
     ///
     /// # Errors
-    /// [`ArrowError`] where Arrow can't write values of its type.
+    /// [`ArrowError`] if Arrow can't write values of this type.
     pub fn new(column: &'a ArrayRef, options: &FormatOptions<'a>) -> Result<Self, ArrowError> {
         let is_utc =
             matches!(column.data_type(), DataType::Timestamp(TimeUnit::Nanosecond, Some(zone)) if &**zone == "UTC");
@@ -29,10 +29,10 @@ impl<'a> Texts<'a> {
         Ok(Self { formatter: ArrayFormatter::try_new(column, options)?, times, second: None })
     }
 
-    /// Appends the value of that row.
+    /// Appends the value of this row.
     ///
     /// # Errors
-    /// [`ArrowError`] where a value can't be written, such as a time that no calendar has.
+    /// [`ArrowError`] if a value can't be written, such as a time outside the calendar.
     pub fn write(&mut self, row: usize, out: &mut String) -> Result<(), ArrowError> {
         let Some(times) = self.times.filter(|times| times.is_valid(row)) else {
             return self.formatter.value(row).write(out);
@@ -55,7 +55,7 @@ impl<'a> Texts<'a> {
     }
 }
 
-/// A point and three, six or nine digits, as many as are needed; nothing for 0.
+/// Appends a point and three, six or nine digits, as many as needed; appends nothing for 0.
 fn push_fraction(out: &mut String, nanos: i64) {
     // Writing to a string can't fail.
     let _ = match nanos {
@@ -73,7 +73,7 @@ mod tests {
     use std::sync::Arc;
 
     proptest! {
-        /// Times that lie closely together, with few or many digits, before and after 1970.
+        /// The times lie closely together, with few or many digits, before and after 1970.
         #[test]
         fn as_arrow_writes_them(
             begin in any::<i64>(),

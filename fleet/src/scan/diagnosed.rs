@@ -1,4 +1,4 @@
-//! Tables that need a whole capture: findings, nodes and statistics come out of one diagnosis.
+//! Tables that need a whole capture: findings, nodes and statistics come from one diagnosis.
 
 use super::ScanError;
 use super::emit::{Emitter, Outlet, Wanted};
@@ -16,7 +16,7 @@ use canvass_reports::provenance::Provenance;
 use canvass_reports::quality::CaptureQuality;
 use canvass_traces::Channels;
 
-/// Diagnoses a capture and gives the rows of a table.
+/// Diagnoses a capture and outputs the rows of a table.
 ///
 /// # Errors
 /// As [`super::produce::produce`].
@@ -32,7 +32,7 @@ pub fn produce(
     give(table, &results, &reading, file, wanted, outlet)
 }
 
-/// The results of a capture; nothing where nobody waits for them any more.
+/// The results of a capture; `None` if no more rows are wanted.
 fn diagnose(source: &Source<'_>, reading: &mut Reading, outlet: &dyn Outlet) -> Result<Option<Results>, ScanError> {
     let mut diagnosing = Diagnosing::new(source.devices)?;
     let mut unlooked = 0_u32;
@@ -46,15 +46,15 @@ fn diagnose(source: &Source<'_>, reading: &mut Reading, outlet: &dyn Outlet) -> 
     Ok(Some(diagnosing.finish(reading)?))
 }
 
-/// A diagnosis under way.
+/// A diagnosis in progress.
 pub struct Diagnosing {
     in_order: diagnosis::Reading,
-    /// Something could not be read since the last record.
+    /// Whether there was damage since the last record.
     is_damaged: bool,
 }
 
 impl Diagnosing {
-    /// Begins one that knows these devices.
+    /// Begins a diagnosis with the rules of devices.
     ///
     /// # Errors
     /// If a description can't be read.
@@ -66,10 +66,10 @@ impl Diagnosing {
         Ok(Self { in_order: diagnosis::Reading::new(diagnosis, None), is_damaged: false })
     }
 
-    /// Takes what has come out of the capture: its record is another one then.
+    /// Passes the latest item of the capture to the diagnosis, which takes the record out of `reading`.
     ///
     /// # Errors
-    /// What a diagnosis may write beside: nothing, without a page.
+    /// If the diagnosis can't write its temporary file, which it has only for a page.
     pub fn take(&mut self, seen: Seen, reading: &mut Reading) -> Result<(), ScanError> {
         self.is_damaged |= seen != Seen::Record;
         if seen == Seen::Damage {
@@ -79,14 +79,14 @@ impl Diagnosing {
             self.in_order.interrupted(reading.merge())?;
         }
         self.in_order.see_channel(reading.record().channel, reading.merge());
-        // A frame that contradicts itself proves nothing.
+        // A frame that contradicts itself is no evidence.
         if seen == Seen::Record {
             reading.hand_over(&mut self.in_order)?;
         }
         Ok(())
     }
 
-    /// What was found.
+    /// The results of the diagnosis.
     ///
     /// # Errors
     /// As [`Diagnosing::take`].
@@ -96,7 +96,7 @@ impl Diagnosing {
     }
 }
 
-/// Gives the rows of a table that the results of a capture hold.
+/// Outputs the rows of a table from the results of a capture.
 ///
 /// # Errors
 /// As [`Emitter::row`].

@@ -1,4 +1,4 @@
-//! Rows on their way out: those that pass become batches, until no more are wanted.
+//! Collects the rows that pass the tests into batches, until no more rows are wanted.
 
 use super::ScanError;
 use crate::filter::{Filter, Test};
@@ -9,34 +9,34 @@ use datafusion::arrow::array::RecordBatch;
 use datafusion::arrow::datatypes::SchemaRef;
 use std::ops::ControlFlow;
 
-/// Takes batches.
+/// A receiver of batches.
 pub trait Outlet {
-    /// Takes a batch; `Break` where no more are wanted.
+    /// Takes a batch; `Break` if no more batches are wanted.
     fn give(&mut self, batch: RecordBatch) -> ControlFlow<()>;
 
-    /// Whether anybody still waits for batches.
+    /// Whether the receiver still wants batches.
     fn is_wanted(&self) -> bool;
 }
 
-/// What is wanted of a table.
+/// The wanted part of a table.
 #[derive(Clone, Copy)]
 pub struct Wanted<'a> {
-    /// The columns, by their places in the table.
+    /// The columns, by their indexes in the table.
     pub columns: &'a [usize],
-    /// Their schema.
+    /// The schema of the columns.
     pub schema: &'a SchemaRef,
     /// The tests that a row must pass.
     pub tests: &'a [Test],
     /// Maximum number of rows.
     pub fetch: Option<usize>,
-    /// Whether frames are skipped that give no rows and change nothing.
+    /// Whether the scan skips frames that give no rows and change no state.
     pub skips: bool,
     /// Maximum number of rows in a batch.
     pub batch_rows: usize,
 }
 
 impl Wanted<'_> {
-    /// Whether a column's value matters: it is wanted, or tested.
+    /// Whether a column's value is needed, for the output or for a test.
     pub fn asks<R: Rows>(&self, name: &str) -> bool {
         R::asks(self.columns, name) || self.tests.iter().any(|test| test.column == name)
     }
@@ -46,11 +46,11 @@ impl Wanted<'_> {
 pub struct Emitter<'a, R: Rows> {
     builder: BatchBuilder<R>,
     filter: Filter<R>,
-    /// The tests that refuse all rows that are alike: with 11-bit CAN-IDs, and with 29-bit ones.
+    /// Tests that decide about all frames that are alike by one of them: for 11-bit CAN-IDs, and for 29-bit CAN-IDs.
     alike: [Filter<R>; 2],
     left: Option<usize>,
     batch_rows: usize,
-    /// Rows since somebody looked whether they are still wanted.
+    /// Number of rows since the last check whether the outlet still wants rows.
     unlooked: usize,
     outlet: &'a mut dyn Outlet,
 }
@@ -59,7 +59,7 @@ impl<'a, R: Rows> Emitter<'a, R> {
     /// Number of rejected rows after which the scan checks whether the outlet still wants rows.
     const LOOK: usize = 8192;
 
-    /// Gives what is wanted to an outlet.
+    /// Passes the wanted rows to an outlet.
     pub fn new(wanted: Wanted<'_>, outlet: &'a mut dyn Outlet) -> Self {
         Self {
             builder: BatchBuilder::new(SchemaRef::clone(wanted.schema), wanted.columns),
@@ -72,10 +72,10 @@ impl<'a, R: Rows> Emitter<'a, R> {
         }
     }
 
-    /// Takes a row; `Break` where no more are wanted.
+    /// Takes a row; `Break` if no more rows are wanted.
     ///
     /// # Errors
-    /// [`ScanError::Arrow`], which would be a mistake in here.
+    /// [`ScanError::Arrow`], which would be a bug of this module.
     #[inline]
     pub fn row(&mut self, row: &R::Row<'_>) -> Result<ControlFlow<()>, ScanError> {
         if self.left == Some(0) {
@@ -94,12 +94,12 @@ impl<'a, R: Rows> Emitter<'a, R> {
         Ok(ControlFlow::Continue(()))
     }
 
-    /// Whether the tests may refuse all rows that are alike.
+    /// Whether the tests may refuse all rows of frames that are alike.
     pub fn may_refuse_alike(&self) -> bool {
         self.alike.iter().any(|filter| !filter.is_empty())
     }
 
-    /// Whether no row passes that is alike, made of such frames.
+    /// Whether the tests refuse the rows of all frames that are like the frame of this row.
     #[inline]
     pub fn refuses_alike(&mut self, row: &R::Row<'_>, steady: Steady) -> bool {
         let [by_id, any_id] = &mut self.alike;
@@ -114,7 +114,7 @@ impl<'a, R: Rows> Emitter<'a, R> {
         if frames > 0 { self.look() } else { ControlFlow::Continue(()) }
     }
 
-    /// Something was read that made no row; `Break` where nobody waits any more.
+    /// Counts an item without a row; `Break` if the outlet wants no more rows.
     #[inline]
     pub fn look(&mut self) -> ControlFlow<()> {
         self.unlooked += 1;
@@ -130,13 +130,13 @@ impl<'a, R: Rows> Emitter<'a, R> {
         Ok(if self.left == Some(0) { ControlFlow::Break(()) } else { given })
     }
 
-    /// Gives away what still waits.
+    /// Passes the remaining rows to the outlet.
     ///
     /// # Errors
     /// As [`Emitter::row`].
     pub fn finish(mut self) -> Result<(), ScanError> {
         if self.builder.rows() > 0 {
-            // Whoever wants no more has what they want.
+            // An outlet that wants no more rows has all that it wanted.
             let _ = self.flush()?;
         }
         Ok(())

@@ -1,8 +1,7 @@
-//! What the plans that read files have in common: their input is a row for each file, and they work where waiting is
-//! allowed.
+//! Common parts of the plans that read files: their input is a row for each file, and they read in blocking tasks.
 //!
-//! The files are a plan of their own, as rows in memory: of such a plan Ballista gives each task only its partitions, of a
-//! plan that it does not know it would give every task all of them.
+//! The files are a plan of their own, as rows in memory: Ballista gives each task only its own partitions of such a
+//! plan. Of a plan that Ballista does not know, each task would get all partitions.
 
 use crate::capture::CaptureFile;
 use datafusion::arrow::array::{ArrayRef, AsArray as _, Int64Array, RecordBatch, StringArray, UInt64Array};
@@ -21,10 +20,10 @@ use std::sync::Arc;
 use tokio::runtime::Handle;
 use tokio::sync::mpsc::Sender;
 
-/// Number of batches that wait for the reader, so that memory is bounded.
+/// Maximum number of batches that wait for the reader; it limits the memory.
 const AHEAD: usize = 2;
 
-/// What such plans say of themselves alike.
+/// Methods that all plans which read files have in common.
 macro_rules! reads_files {
     () => {
         fn properties(&self) -> &Arc<PlanProperties> {
@@ -35,7 +34,7 @@ macro_rules! reads_files {
             vec![&self.input]
         }
 
-        /// The files are shared out already.
+        /// The files are already distributed over the partitions.
         fn benefits_from_input_partitioning(&self) -> Vec<bool> {
             vec![false]
         }
@@ -66,10 +65,10 @@ fn schema() -> SchemaRef {
 /// Files as a plan: a partition for each list.
 ///
 /// # Errors
-/// If Arrow refuses the rows, which would be a mistake in here.
+/// If Arrow refuses the rows, which would be a bug of this module.
 pub fn plan(partitions: &[Vec<CaptureFile>]) -> Result<Arc<dyn ExecutionPlan>> {
     let mut batches = partitions.iter().map(|files| Ok(vec![batch(files)?])).collect::<Result<Vec<_>>>()?;
-    // A plan without partitions is none.
+    // The engine needs at least one partition.
     if batches.is_empty() {
         batches.push(Vec::new());
     }
@@ -83,10 +82,10 @@ fn batch(files: &[CaptureFile]) -> Result<RecordBatch> {
     Ok(RecordBatch::try_new(schema(), vec![names, sizes, modified])?)
 }
 
-/// The files that such a plan gives in one partition; to be called where waiting is allowed.
+/// The files in one partition of such a plan; blocks.
 ///
 /// # Errors
-/// If the plan is another one.
+/// If the plan has other columns.
 pub fn listed(input: SendableRecordBatchStream, handle: &Handle) -> Result<Vec<CaptureFile>> {
     let batches: Vec<RecordBatch> = handle.block_on(input.try_collect())?;
     let mut files = Vec::new();
@@ -106,7 +105,7 @@ pub fn listed(input: SendableRecordBatchStream, handle: &Handle) -> Result<Vec<C
     Ok(files)
 }
 
-/// How many files such a plan names, whole or in one partition.
+/// Number of files that such a plan names, in all partitions or in one.
 pub fn count(plan: &Arc<dyn ExecutionPlan>, partition: Option<usize>) -> Option<usize> {
     let source: &dyn Any = plan.downcast_ref::<DataSourceExec>()?.data_source().as_ref();
     let partitions = source.downcast_ref::<MemorySourceConfig>()?.partitions();
@@ -120,14 +119,14 @@ pub fn count(plan: &Arc<dyn ExecutionPlan>, partition: Option<usize>) -> Option<
 /// The only input of a plan that reads files.
 ///
 /// # Errors
-/// If there are more or none.
+/// If there is no input or more than one.
 pub fn only(inputs: Vec<Arc<dyn ExecutionPlan>>) -> Result<Arc<dyn ExecutionPlan>> {
     <[_; 1]>::try_from(inputs)
         .map(|[input]| input)
         .map_err(|inputs| DataFusionError::Plan(format!("expected one plan of files, found {}", inputs.len())))
 }
 
-/// The properties of a plan that reads the files of another one.
+/// The properties of a plan that reads the files of its input.
 pub fn properties(schema: &SchemaRef, input: &Arc<dyn ExecutionPlan>) -> Arc<PlanProperties> {
     let partitions = input.properties().output_partitioning().partition_count();
     let properties = PlanProperties::new(
@@ -139,8 +138,8 @@ pub fn properties(schema: &SchemaRef, input: &Arc<dyn ExecutionPlan>) -> Arc<Pla
     Arc::new(properties.with_scheduling_type(SchedulingType::Cooperative))
 }
 
-/// The stream of a partition whose batches `work` sends. It begins when somebody asks for rows, and is told to end by its
-/// channel being closed when nobody does any more.
+/// The stream of a partition whose batches `work` sends. The work begins with the first request for rows; the channel
+/// closes when nobody wants rows any more, which ends the work.
 pub fn stream(
     schema: SchemaRef,
     work: impl FnOnce(&Handle, Sender<Result<RecordBatch>>) -> Result<()> + Send + 'static,

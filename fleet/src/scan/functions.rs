@@ -14,7 +14,7 @@ use datafusion::prelude::SessionContext;
 use datafusion_session::SessionStore;
 use std::sync::Arc;
 
-/// A function that makes a table of captures.
+/// A table function for captures.
 #[derive(Debug)]
 struct CaptureFunction(Table);
 
@@ -37,15 +37,15 @@ fn text(expression: &Expr) -> Option<String> {
     }
 }
 
-/// Makes the table functions known.
+/// Registers the table functions.
 pub fn register(context: &SessionContext) {
     for table in Table::ALL {
         context.register_udtf(table.name(), Arc::new(CaptureFunction(table)));
     }
 }
 
-/// Makes tables of captures and results known by their names: results among the files are passed over by the tables of
-/// captures, and captures by those of results.
+/// Registers tables of captures and results by their names. Tables of captures skip results among the files, and tables
+/// of results skip captures.
 ///
 /// # Errors
 /// If a rule of `canvass.devices` can't be used.
@@ -58,14 +58,14 @@ pub fn register_files(context: &SessionContext, patterns: &[String]) -> Result<(
     Ok(())
 }
 
-/// `FROM 'x.mcap'`: the messages of captures; Parquet and Arrow files are what they are.
+/// Tables of `FROM 'x.mcap'`: the messages of captures; Parquet and Arrow files are tables themselves.
 #[derive(Debug, Default)]
 pub struct FileTables {
     others: DynamicListTableFactory,
 }
 
 impl FileTables {
-    /// Where the session has to be put.
+    /// The place for the session, which the creator of the session fills.
     pub fn session_store(&self) -> &SessionStore {
         self.others.session_store()
     }
@@ -84,7 +84,7 @@ impl UrlTableFactory for FileTables {
             return self.others.try_new(url).await;
         }
         let Some(state) = self.state() else { return Ok(None) };
-        // A name that means no file is the name of a table that is not there.
+        // A name that matches no file is reported by the engine as a missing table.
         let Ok(files) = find(url, state.runtime_env()).await else { return Ok(None) };
         let options = Options::of(state.config_options());
         Ok(Some(Arc::new(CaptureTable::new(Table::Messages, Files::Known(files), &options)?)))

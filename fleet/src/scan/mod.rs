@@ -28,7 +28,7 @@ pub enum ScanError {
     /// A file can't be read.
     #[error(transparent)]
     Access(#[from] AccessError),
-    /// A pattern means no files.
+    /// No file matches a pattern.
     #[error(transparent)]
     Pattern(#[from] PatternError),
     /// A device description can't be read.
@@ -37,7 +37,7 @@ pub enum ScanError {
     /// Arrow refuses a batch.
     #[error("a batch could not be made: {0}")]
     Arrow(#[from] ArrowError),
-    /// What a diagnosis keeps beside could not be written.
+    /// The diagnosis can't write its temporary file.
     #[error(transparent)]
     Io(#[from] std::io::Error),
 }

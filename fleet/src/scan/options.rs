@@ -1,4 +1,4 @@
-//! How scans work, as `SET canvass.… = …` and the command line say it.
+//! Options of scans, set by `SET canvass.… = …` or on the command line.
 
 use crate::devices::{Devices, Rule};
 use datafusion::common::config::ConfigExtension;
@@ -22,15 +22,15 @@ impl ConfigExtension for Options {
 }
 
 impl Options {
-    /// Those of a session.
+    /// The options of a session.
     pub fn of(config: &ConfigOptions) -> Self {
         config.extensions.get::<Self>().cloned().unwrap_or_default()
     }
 
-    /// The rules, with the files that they name.
+    /// The rules, with the contents of the files that they name.
     ///
     /// # Errors
-    /// If a rule is not written as rules are, or its file can't be read.
+    /// If the syntax of a rule is wrong, or its file can't be read.
     pub fn devices(&self) -> Result<Devices> {
         let rules = self.devices.lines().filter(|line| !line.trim().is_empty());
         let read: Result<Vec<Rule>, _> = rules.map(|rule| rule.trim().parse::<Rule>()).collect();

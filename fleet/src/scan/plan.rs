@@ -1,4 +1,4 @@
-//! The execution plan of a scan: a partition for each capture, or for several where there are very many.
+//! The execution plan of a scan: one partition for each capture, or for several captures if there are very many.
 
 use super::emit::{Outlet, Wanted};
 use super::{Source, files, produce};
@@ -21,20 +21,20 @@ use std::sync::Arc;
 use tokio::runtime::Handle;
 use tokio::sync::mpsc::Sender;
 
-/// What a scan does: plain data, which can be sent to another computer.
+/// The parameters of a scan: plain data, which can be sent to another computer.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
 pub struct ScanSpec {
     /// The table.
     pub table: Table,
-    /// The columns, by their places in the table.
+    /// The columns, by their indexes in the table.
     pub columns: Vec<usize>,
-    /// What must hold of a row.
+    /// The tests that a row must pass.
     pub tests: Vec<Test>,
-    /// How many rows of each partition, at most.
+    /// Maximum number of rows of each partition.
     pub fetch: Option<usize>,
-    /// Whether frames are skipped that give no rows and change nothing.
+    /// Whether the scan skips frames that give no rows and change no state.
     pub skips: bool,
-    /// What is known of the devices.
+    /// The rules of devices.
     pub devices: Devices,
 }
 
@@ -46,7 +46,7 @@ pub struct CaptureScan {
     schema: SchemaRef,
     properties: Arc<PlanProperties>,
     metrics: ExecutionPlanMetricsSet,
-    /// Where it runs, where that is another computer than the one that asks.
+    /// The name of the computer on which the scan runs, if it is not the one that asks.
     host: Option<Arc<str>>,
 }
 
@@ -54,10 +54,10 @@ impl CaptureScan {
     /// The name of the counter of files that are no captures.
     pub const UNREADABLE: &'static str = "unreadable_files";
 
-    /// A scan that does this, of the files of a [`files::plan`].
+    /// A scan of the files of a [`files::plan`].
     ///
     /// # Errors
-    /// If a column is asked for that the table has not.
+    /// If the table lacks a requested column.
     pub fn new(spec: ScanSpec, input: Arc<dyn ExecutionPlan>) -> Result<Self> {
         let schema: SchemaRef = Arc::new(spec.table.schema().project(&spec.columns)?);
         let (spec, properties) = (Arc::new(spec), files::properties(&schema, &input));
@@ -70,12 +70,12 @@ impl CaptureScan {
         Self { host, ..self }
     }
 
-    /// What it does.
+    /// The parameters of the scan.
     pub fn spec(&self) -> &ScanSpec {
         &self.spec
     }
 
-    /// How many files there are, where that is known.
+    /// Number of files, if known.
     fn files(&self, partition: Option<usize>) -> Option<usize> {
         files::count(&self.input, partition)
     }
@@ -92,7 +92,7 @@ impl CaptureScan {
     }
 }
 
-/// One partition under way.
+/// The work on one partition.
 struct Task {
     spec: Arc<ScanSpec>,
     schema: SchemaRef,
@@ -103,7 +103,7 @@ struct Task {
 }
 
 impl Task {
-    /// Reads the files of the partition; runs where waiting is allowed.
+    /// Reads the files of the partition; blocks.
     fn run(self, input: SendableRecordBatchStream, handle: &Handle, sender: Sender<Result<RecordBatch>>) -> Result<()> {
         let access = Access::new(self.runtime, handle.clone());
         let source = Source { access: &access, devices: &self.spec.devices };
@@ -198,7 +198,7 @@ impl ExecutionPlan for CaptureScan {
 
     fn partition_statistics(&self, partition: Option<usize>) -> Result<Arc<Statistics>> {
         let mut statistics = Statistics::new_unknown(&self.schema);
-        // Each file is one row, read or not.
+        // A capture has one row, whether it is readable or not.
         if self.spec.table == Table::Captures && self.spec.tests.is_empty() && self.spec.fetch.is_none() {
             statistics.num_rows = self.files(partition).map_or(Precision::Absent, Precision::Exact);
         }

@@ -1,4 +1,4 @@
-//! Rows of one file: it is read once, and only as far as rows are wanted.
+//! Rows of one file, which is read once and only until no more rows are wanted.
 
 use super::emit::{Emitter, Outlet, Wanted};
 use super::rows::{self, EventsOfFrames, Happenings, OfFrames, Understood};
@@ -14,15 +14,15 @@ use canvass_analyzer::network::{Network, Skipping, Steady};
 use canvass_traces::{Quality, SkipSet, Timestamp};
 use std::ops::ControlFlow;
 
-/// How files are read.
+/// The access to files, with the rules of devices.
 pub struct Source<'a> {
-    /// Opens them.
+    /// Opens the files.
     pub access: &'a Access,
-    /// What is known of the devices.
+    /// The rules of devices.
     pub devices: &'a Devices,
 }
 
-/// Gives the rows of a file; `false` where it is no capture or result that can be read.
+/// Outputs the rows of a file; `false` if the file is no readable capture or result.
 ///
 /// # Errors
 /// [`ScanError`] if the file or a device description can't be read.
@@ -88,7 +88,7 @@ pub fn capture_row<'a>(file: &'a CaptureFile, reading: &'a Reading, sha256: Opti
     }
 }
 
-/// The row of a file that is no capture that can be read.
+/// The row of a file that is no readable capture.
 pub fn unreadable_row<T>(file: &CaptureFile, unreadable: &Unreadable, take: impl FnOnce(&CaptureRow<'_>) -> T) -> T {
     let (quality, size) = (&Quality::default(), file.size);
     let (sha256, reason) = (unreadable.sha256.as_deref(), Some(&*unreadable.reason));
@@ -121,10 +121,10 @@ fn frames(
     emitter.finish()
 }
 
-/// What is left when a capture was decoded to its end: the network, and when a last frame was seen that was skipped.
+/// The state after a capture was decoded to its end: the network, and the time of the last frame if that was skipped.
 type AtEnd = (Network, Option<Timestamp>);
 
-/// Decodes a capture and gives each frame to `rows`, until no more are wanted.
+/// Decodes a capture and passes each frame to `rows`, until no more rows are wanted.
 fn decode(
     source: &Source<'_>,
     reading: &mut Reading,

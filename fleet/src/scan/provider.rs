@@ -1,4 +1,4 @@
-//! A table of captures: which files, which columns, and what of a filter is asked before rows are made.
+//! A table of captures: its files, its columns, and the part of a filter that is applied before rows are made.
 
 use super::{CaptureScan, Options, ScanError, ScanSpec};
 use crate::capture::{CaptureFile, find};
@@ -24,20 +24,20 @@ pub struct CaptureTable {
     devices: Devices,
 }
 
-/// Which files.
+/// The files of a table.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
 pub enum Files {
-    /// Those that patterns mean when a query is planned.
+    /// The files that match these patterns when a query is planned.
     Patterns(Vec<String>),
-    /// These.
+    /// A list of files.
     Known(Vec<CaptureFile>),
 }
 
-/// Number of captures of one partition that are open at a time, for each partition that the engine wants.
+/// Number of scan partitions for each partition that the engine wants; each partition has one capture open at a time.
 const PARTITIONS: usize = 4;
 
 impl CaptureTable {
-    /// The table of these files.
+    /// A table of these files.
     ///
     /// # Errors
     /// If a rule of `canvass.devices` can't be used.
@@ -46,27 +46,27 @@ impl CaptureTable {
         Ok(Self::of_devices(table, files, devices, options.push_down))
     }
 
-    /// The table of these files, where the rules are read already.
+    /// A table of these files, with rules of devices that were read already.
     pub fn of_devices(table: Table, files: Files, devices: Devices, push_down: bool) -> Self {
         Self { table, files, schema: table.schema(), push_down, devices }
     }
 
-    /// Which table it is.
+    /// The kind of the table.
     pub const fn table(&self) -> Table {
         self.table
     }
 
-    /// Its files.
+    /// The files of the table.
     pub const fn files(&self) -> &Files {
         &self.files
     }
 
-    /// What is known of the devices.
+    /// The rules of devices.
     pub const fn devices(&self) -> &Devices {
         &self.devices
     }
 
-    /// Whether filters are asked before rows are made.
+    /// Whether filters are applied before rows are made.
     pub const fn pushes_down(&self) -> bool {
         self.push_down
     }
@@ -126,13 +126,13 @@ impl TableProvider for CaptureTable {
 }
 
 impl CaptureTable {
-    /// The column that names the file.
+    /// The name of the column that names the file.
     const fn file_column(&self) -> &'static str {
         if self.table.is_of_results() { "run" } else { "capture" }
     }
 }
 
-/// A partition for each file; where that would be more than `most`, as many, with about as much to read in each.
+/// A partition for each file; at most `most` partitions, with about the same number of bytes in each.
 pub fn partitions(files: Vec<CaptureFile>, most: usize) -> Vec<Vec<CaptureFile>> {
     if files.len() <= most {
         return files.into_iter().map(|file| vec![file]).collect();
@@ -142,7 +142,7 @@ pub fn partitions(files: Vec<CaptureFile>, most: usize) -> Vec<Vec<CaptureFile>>
     largest_first.sort_by_key(|file| std::cmp::Reverse(file.size));
     for file in largest_first {
         if let Some(emptiest) = partitions.iter_mut().min_by_key(|partition| partition.0) {
-            // A file costs something, however short it is.
+            // Opening a file takes time, however short the file is.
             emptiest.0 += file.size + 4096;
             emptiest.1.push(file);
         }

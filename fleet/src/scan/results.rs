@@ -12,7 +12,7 @@ use serde_json::Value;
 /// Maximum number of bytes of a result: far more than any result has.
 pub const LONGEST: u64 = 256 << 20;
 
-/// Gives the rows of a result; `false` where the file is none.
+/// Outputs the rows of a result; `false` if the file is no result.
 ///
 /// # Errors
 /// [`ScanError`] if the file can't be read.
@@ -36,7 +36,7 @@ pub fn read(content: &[u8]) -> Option<Value> {
     matches!(schema, "canvass/test/1" | "canvass/fuzz/1").then_some(document)
 }
 
-/// Gives the rows of a result that was read.
+/// Outputs the rows of a parsed result.
 ///
 /// # Errors
 /// As [`Emitter::row`].
@@ -64,7 +64,7 @@ pub fn give(
     emitter.finish()
 }
 
-/// When a run began, of one that has a date.
+/// The date at which a run began; `None` if the result has no date.
 pub fn date(document: &Value) -> Option<Timestamp> {
     let date: jiff::Timestamp = document["provenance"]["date"].as_str()?.parse().ok()?;
     u64::try_from(date.as_nanosecond()).ok().map(Timestamp)

@@ -1,4 +1,4 @@
-//! What a decoded frame gives to each table.
+//! The rows that a decoded frame gives to each table.
 
 use super::ScanError;
 use super::emit::Emitter;
@@ -13,22 +13,22 @@ use canvass_reports::events::Scene;
 use canvass_traces::{ChannelId, Channels, Record, Timestamp};
 use std::ops::ControlFlow;
 
-/// A frame, understood.
+/// A decoded frame with its bus.
 #[derive(Clone, Copy)]
 pub struct Understood<'a> {
     /// The capture's name.
     pub capture: &'a str,
     /// The frame.
     pub record: &'a Record,
-    /// Its channel's name is among these.
+    /// The channels of the capture, with their names.
     pub channels: &'a Channels,
-    /// What the network made of it.
+    /// The decoded meaning of the frame.
     pub decoded: &'a Decoded,
-    /// The bus, which has just taken it.
+    /// The state of the bus after this frame.
     pub bus: &'a Bus,
 }
 
-/// A network that knows these devices.
+/// A network with the devices of these rules.
 ///
 /// # Errors
 /// If a description can't be read.
@@ -42,7 +42,7 @@ pub fn network(devices: &Devices) -> Result<Network, ScanError> {
 
 /// A table whose rows are made of decoded frames.
 pub trait OfFrames {
-    /// Gives the rows of a frame; `Break` where no more are wanted.
+    /// Outputs the rows of a frame; `Break` if no more rows are wanted.
     ///
     /// # Errors
     /// As [`Emitter::row`].
@@ -51,7 +51,7 @@ pub trait OfFrames {
     /// Whether there may be frames that give no rows.
     fn may_refuse(&self) -> bool;
 
-    /// Whether this frame, which was the last one, and all that are like it give no rows.
+    /// Whether neither this frame, the latest one, nor any frame like it gives rows.
     fn refuses(&mut self, frame: Understood<'_>, steady: Steady) -> bool;
 
     /// Reports `frames` skipped frames before the next frame; `Break` if no more are wanted.
@@ -101,9 +101,9 @@ impl OfFrames for Emitter<'_, Signals> {
 
 /// The events of frames.
 pub struct EventsOfFrames<'a> {
-    /// What happened so far.
+    /// The state between events.
     pub happenings: Happenings,
-    /// Takes the events.
+    /// The emitter of the events.
     pub emitter: Emitter<'a, Events>,
 }
 
@@ -116,7 +116,7 @@ impl OfFrames for EventsOfFrames<'_> {
         true
     }
 
-    /// What changes nothing brings nothing about.
+    /// A frame that changes no state causes no event.
     fn refuses(&mut self, _: Understood<'_>, _: Steady) -> bool {
         true
     }
@@ -126,14 +126,14 @@ impl OfFrames for EventsOfFrames<'_> {
     }
 }
 
-/// Gives a frame to `messages`.
+/// Outputs a frame to `messages`.
 #[inline]
 pub fn message(frame: Understood<'_>, emitter: &mut Emitter<'_, Messages>) -> Result<ControlFlow<()>, ScanError> {
     let Understood { capture, record, channels, decoded, bus } = frame;
     emitter.row(&MessageRow { capture, record, channels, decoded, bus })
 }
 
-/// Gives the values of a frame to `signals`.
+/// Outputs the values of a frame to `signals`.
 #[inline]
 pub fn signals(frame: Understood<'_>, emitter: &mut Emitter<'_, Signals>) -> Result<ControlFlow<()>, ScanError> {
     let Understood { capture, record, channels, decoded, bus } = frame;
@@ -146,17 +146,17 @@ pub fn signals(frame: Understood<'_>, emitter: &mut Emitter<'_, Signals>) -> Res
     Ok(emitter.look())
 }
 
-/// Gives what frames brought about to `events`.
+/// Outputs the events of frames to `events`.
 #[derive(Default)]
 pub struct Happenings {
-    /// When the last frame was seen.
+    /// The time of the last frame.
     last: Option<Timestamp>,
-    /// What the capture says before the next event.
+    /// The latest comment of the capture, which is output before the next event.
     comment: String,
 }
 
 impl Happenings {
-    /// Gives what a frame brought about.
+    /// Outputs the events of a frame.
     pub fn frame(
         &mut self,
         frame: Understood<'_>,
@@ -182,7 +182,7 @@ impl Happenings {
                 self.comment.clear();
             }
             let what = What::Event(event, scene.transfer(event));
-            // An end of a transfer whose channel is not known tells nothing.
+            // The end of a transfer on an unknown channel has no details.
             if matches!(what, What::Event(event, None) if scene.kind(event) == "sdo") {
                 continue;
             }
@@ -193,7 +193,8 @@ impl Happenings {
         Ok(ControlFlow::Continue(()))
     }
 
-    /// Gives the transfers that had not ended when the capture did; `skipped` is the time of a last frame that was skipped.
+    /// Outputs the transfers that had not ended at the end of the capture; `skipped` is the time of the last frame if
+    /// that was skipped.
     pub fn finish(
         &self,
         capture: &str,

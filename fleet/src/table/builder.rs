@@ -1,4 +1,4 @@
-//! Rows become Arrow batches: only the columns that were asked for are made.
+//! Builds Arrow batches from rows, with only the requested columns.
 
 use super::column::{Column, Get, Rows, Width, nanos};
 use datafusion::arrow::array::{
@@ -12,17 +12,17 @@ use datafusion::arrow::error::ArrowError;
 use std::collections::HashMap;
 use std::sync::Arc;
 
-/// Makes batches of the columns asked for.
+/// Builds batches of the requested columns.
 pub struct BatchBuilder<R: Rows> {
     schema: SchemaRef,
     cells: Vec<(Get<R>, Cell)>,
     rows: usize,
-    /// Bytes of texts and payloads so far: they can be long.
+    /// Number of bytes of texts and payloads in the batch, which can be long.
     bytes: usize,
     scratch: String,
 }
 
-/// One column under way.
+/// One column of the current batch.
 enum Cell {
     Time(TimestampNanosecondBuilder),
     U8(UInt8Builder),
@@ -38,27 +38,27 @@ enum Cell {
 }
 
 impl<R: Rows> BatchBuilder<R> {
-    /// Number of bytes of texts and payloads with which a batch is full, whatever the number of rows.
+    /// Number of bytes of texts and payloads at which a batch is full, whatever its number of rows.
     const FULL: usize = 4 << 20;
 
-    /// Makes these columns, of which `schema` tells.
+    /// A builder of these columns, whose types `schema` gives.
     pub fn new(schema: SchemaRef, columns: &[usize]) -> Self {
         let chosen = columns.iter().filter_map(|&at| R::COLUMNS.get(at));
         let cells = chosen.map(|Column { get, .. }| (*get, Cell::of(get))).collect();
         Self { schema, cells, rows: 0, bytes: 0, scratch: String::new() }
     }
 
-    /// How many rows wait.
+    /// Number of rows in the current batch.
     pub const fn rows(&self) -> usize {
         self.rows
     }
 
-    /// Whether the batch should be given away.
+    /// Whether the batch is full: by its number of rows or its bytes.
     pub const fn is_full(&self, most: usize) -> bool {
         self.rows >= most || self.bytes >= Self::FULL
     }
 
-    /// Takes a row.
+    /// Adds a row.
     pub fn push(&mut self, row: &R::Row<'_>) {
         self.rows += 1;
         for (get, cell) in &mut self.cells {
@@ -66,10 +66,10 @@ impl<R: Rows> BatchBuilder<R> {
         }
     }
 
-    /// The rows that wait, as a batch.
+    /// Returns the rows since the last call as a batch.
     ///
     /// # Errors
-    /// If Arrow refuses the columns, which would be a mistake in here.
+    /// If Arrow refuses the columns, which would be a bug of this module.
     pub fn finish(&mut self) -> Result<RecordBatch, ArrowError> {
         let rows = std::mem::take(&mut self.rows);
         self.bytes = 0;
@@ -79,7 +79,7 @@ impl<R: Rows> BatchBuilder<R> {
     }
 }
 
-/// Appends the value of a row; gives back how many bytes of text or payload it has.
+/// Appends the value of a row; returns the number of bytes of its text or payload.
 fn push<R: Rows>(get: &Get<R>, cell: &mut Cell, row: &R::Row<'_>, scratch: &mut String) -> usize {
     match (get, cell) {
         (Get::Time(get), Cell::Time(cell)) => cell.append_option(get(row).map(nanos)),
@@ -102,7 +102,7 @@ fn push<R: Rows>(get: &Get<R>, cell: &mut Cell, row: &R::Row<'_>, scratch: &mut 
             cell.append_option(bytes);
             return bytes.map_or(0, <[u8]>::len);
         }
-        // `Cell::of` makes the cell that belongs to a getter.
+        // `Cell::of` makes the cell that fits a getter, so that other pairs can't occur.
         _ => {}
     }
     0
@@ -142,10 +142,10 @@ impl Cell {
     }
 }
 
-/// Texts under way, one behind the other, each written where it stays.
+/// The texts of a column in one buffer, each written at its final place.
 struct Texts {
     text: String,
-    /// Where each begins, and where the last one ends.
+    /// The offset of the beginning of each text, and of the end of the last one.
     offsets: Vec<i32>,
     there: NullBufferBuilder,
 }
@@ -157,7 +157,7 @@ impl Default for Texts {
 }
 
 impl Texts {
-    /// Appends what `write` writes, or nothing where it gives `false`; gives back how many bytes that are.
+    /// Appends the text that `write` writes, or null if `write` returns `false`; returns the number of bytes.
     fn append(&mut self, write: impl FnOnce(&mut String) -> bool) -> usize {
         let begin = self.text.len();
         let is_there = write(&mut self.text);
@@ -165,7 +165,7 @@ impl Texts {
             self.text.truncate(begin);
         }
         self.there.append(is_there);
-        // A batch is full long before.
+        // A batch is full long before the offset exceeds 31 bits.
         self.offsets.push(i32::try_from(self.text.len()).unwrap_or(i32::MAX));
         self.text.len() - begin
     }
@@ -181,7 +181,7 @@ impl Texts {
     }
 }
 
-/// A dictionary under way. Captures name the same things again and again: the last one is looked at first.
+/// A dictionary column. Captures name the same things again and again, so the last name is compared first.
 #[derive(Default)]
 struct Names {
     keys: Int32Builder,

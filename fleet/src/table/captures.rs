@@ -1,4 +1,4 @@
-//! `captures`: what was recorded, how far it can be trusted, and what could not be read.
+//! `captures`: the recordings, their quality, and files that could not be read.
 
 use super::column::{Column, Rows, columns, write, write_str};
 use canvass_reports::quality::{time_base, warnings};
@@ -9,19 +9,19 @@ pub struct Captures;
 
 /// A capture as a whole.
 pub struct CaptureRow<'a> {
-    /// Its name.
+    /// The name of the capture.
     pub capture: &'a str,
-    /// Its SHA-256 in hexadecimal, of the file as it is: compressed, if it is.
+    /// The SHA-256 of the file in hexadecimal; of a compressed file, the hash of the compressed bytes.
     pub sha256: Option<&'a str>,
     /// The file's length in bytes.
     pub size: u64,
-    /// Its format; nothing where it is of none that is known.
+    /// The format of the capture; `None` if no known format matches.
     pub format: Option<Format>,
-    /// What its times count from.
+    /// The time base of the capture.
     pub time_base: Option<TimeBase>,
-    /// What was seen.
+    /// The quality of the capture.
     pub quality: &'a Quality,
-    /// Why it could not be read, or not to its end.
+    /// Why the file could not be read, or not to its end.
     pub reason: Option<&'a str>,
 }
 

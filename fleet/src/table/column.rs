@@ -1,21 +1,21 @@
-//! What a table is made of: columns that say their name, type and meaning, and how a row gives their value.
+//! Columns of tables: name, type and meaning of each, and the function that gets its value from a row.
 
 use canvass_traces::Timestamp;
 use datafusion::arrow::datatypes::{DataType, Field, TimeUnit};
 
 /// The rows of one table.
 pub trait Rows: Sized + 'static {
-    /// A row, which borrows what it is made from.
+    /// A row, which borrows its data.
     type Row<'a>;
 
     /// The columns, in their order.
     const COLUMNS: &'static [Column<Self>];
 
-    /// The columns whose values are the same for frames that are alike ([`canvass_analyzer::network::Steady`]), where rows are
-    /// made of frames. `can_id` is not the same for those with 29 bits.
+    /// The columns whose values are the same for frames that are alike ([`canvass_analyzer::network::Steady`]), in
+    /// tables with rows of frames. For frames with 29-bit CAN-IDs, `can_id` is not the same.
     const ALIKE: &'static [&'static str] = &[];
 
-    /// Whether a column is among those at these places.
+    /// Whether the columns at these indexes contain the one with this name.
     fn asks(columns: &[usize], name: &str) -> bool {
         columns.iter().filter_map(|&at| Self::COLUMNS.get(at)).any(|column| column.name == name)
     }
@@ -23,15 +23,15 @@ pub trait Rows: Sized + 'static {
 
 /// A column of a table.
 pub struct Column<R: Rows> {
-    /// What it is called.
+    /// The name of the column.
     pub name: &'static str,
-    /// What it says: one line of the documentation.
+    /// The meaning of the column: one line of the documentation.
     pub doc: &'static str,
-    /// How its value comes out of a row.
+    /// The function that gets the column's value from a row.
     pub get: Get<R>,
 }
 
-/// How wide a whole number from 0 is.
+/// The width of an unsigned integer.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Width {
     /// 8 bits.
@@ -44,28 +44,28 @@ pub enum Width {
     U64,
 }
 
-/// Takes a value out of a row.
+/// Gets a value from a row.
 pub type Take<R, T> = for<'a, 'b> fn(&'b <R as Rows>::Row<'a>) -> Option<T>;
-/// Writes a text that a row has; `false` where it has none.
+/// Writes a text of a row; `false` if the row has no text.
 pub type Write<R> = for<'a, 'b, 'c> fn(&'b <R as Rows>::Row<'a>, &'c mut String) -> bool;
 /// Borrows bytes of a row.
 pub type Borrow<R> = for<'a, 'b> fn(&'b <R as Rows>::Row<'a>) -> Option<&'b [u8]>;
 
-/// How the value of a column comes out of a row, by its type.
+/// The function that gets the value of a column from a row, by the type of the value.
 pub enum Get<R: Rows> {
-    /// A point in time: nanoseconds, UTC.
+    /// A time: nanoseconds, UTC.
     Time(Take<R, Timestamp>),
-    /// A whole number from 0.
+    /// An unsigned integer.
     Unsigned(Width, Take<R, u64>),
-    /// A whole number with a sign.
+    /// A signed integer.
     Signed(Take<R, i64>),
     /// A floating-point number.
     Real(Take<R, f64>),
     /// Yes or no.
     Flag(Take<R, bool>),
-    /// One of a few words: a dictionary.
+    /// One of a few words of the program: a dictionary.
     Word(Take<R, &'static str>),
-    /// A text of which there are few: a dictionary.
+    /// A text with few different values: a dictionary.
     Name(Write<R>),
     /// A text.
     Text(Write<R>),
@@ -101,18 +101,18 @@ impl<R: Rows> Get<R> {
 }
 
 impl<R: Rows> Column<R> {
-    /// The Arrow field. Every column may be null: what a capture does not say is not made up.
+    /// The Arrow field. Every column may be null, if a capture lacks the value.
     pub fn field(&self) -> Field {
         Field::new(self.name, self.get.data_type(), true)
     }
 }
 
-/// The type of texts of which there are few.
+/// The type of texts with few different values.
 pub fn dictionary() -> DataType {
     DataType::Dictionary(Box::new(DataType::Int32), Box::new(DataType::Utf8))
 }
 
-/// The time as Arrow holds it: signed nanoseconds. Times after 2262-04-11 are given as that moment.
+/// The time in Arrow's form: signed nanoseconds. Times after 2262-04-11 become that date.
 pub fn nanos(time: Timestamp) -> i64 {
     i64::try_from(time.nanos()).unwrap_or(i64::MAX)
 }
@@ -149,14 +149,14 @@ macro_rules! columns {
 }
 pub(crate) use columns;
 
-/// Writes what there is.
+/// Writes a value; `false` if there is none.
 pub fn write(out: &mut String, text: Option<impl std::fmt::Display>) -> bool {
     use std::fmt::Write as _;
     // Writing to a string can't fail.
     text.is_some_and(|text| write!(out, "{text}").is_ok())
 }
 
-/// Writes a text that is there.
+/// Writes a text; `false` if there is none.
 pub fn write_str(out: &mut String, text: Option<&str>) -> bool {
     text.inspect(|text| out.push_str(text)).is_some()
 }

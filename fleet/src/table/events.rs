@@ -1,4 +1,5 @@
-//! `events`: what the frames brought about: whole SDO transfers, states, errors, layer setting, what was learned.
+//! `events`: events caused by frames: whole SDO transfers, states, errors, layer setting, and learned COB-IDs and
+//! mappings.
 
 use super::column::{Column, Rows, columns, write, write_str};
 use canvass_analyzer::network::sdo::{Outcome, Side, Transfer};
@@ -13,22 +14,22 @@ pub struct Events;
 
 /// An event of a capture.
 pub struct EventRow<'a> {
-    /// The capture's name.
+    /// The name of the capture.
     pub capture: &'a str,
-    /// The frame behind it, and its bus.
+    /// The frame that caused the event, and its bus.
     pub scene: &'a Scene<'a>,
     /// What happened.
     pub what: What<'a>,
 }
 
-/// What happened.
+/// An event, an open transfer or a comment.
 #[derive(Clone, Copy)]
 pub enum What<'a> {
-    /// An event, with the transfer that it ended or left.
+    /// An event, with the transfer that it ended or left open.
     Event(&'a Event, Option<(NodeId, &'a Transfer)>),
-    /// A transfer that had not ended when the capture did.
+    /// A transfer that had not ended at the end of the capture.
     Open(NodeId, &'a Transfer),
-    /// What the capture says before the next event.
+    /// A comment of the capture before the next event.
     Comment(&'a str),
 }
 

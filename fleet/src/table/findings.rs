@@ -1,4 +1,4 @@
-//! `findings`: what was wrong.
+//! `findings`: problems that the diagnosis found.
 
 use super::column::{Column, Rows, columns, write, write_str};
 use canvass_analyzer::NodeId;
@@ -11,7 +11,7 @@ pub struct Findings;
 
 /// A finding of a capture.
 pub struct FindingRow<'a> {
-    /// The capture's name.
+    /// The name of the capture.
     pub capture: &'a str,
     /// The diagnosis of the capture.
     pub diagnosed: &'a Diagnosed<'a>,

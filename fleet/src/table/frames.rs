@@ -1,9 +1,9 @@
-//! `frames`: what was on the bus, as it was recorded. Nothing is decoded.
+//! `frames`: the frames as they were recorded, not decoded.
 
 use super::column::{Column, Rows};
 use canvass_traces::{Channels, Direction, Frame, Record};
 
-/// The columns of a frame, and those that a table has more.
+/// The columns of a frame, followed by further columns of the table.
 macro_rules! frame_columns {
     ($($more:tt)*) => { $crate::table::column::columns![Self:
         "capture" name "the file" = |row, out| $crate::table::column::write_str(out, Some(row.capture));
@@ -29,11 +29,11 @@ pub struct Frames;
 
 /// A frame of a capture.
 pub struct FrameRow<'a> {
-    /// The capture's name.
+    /// The name of the capture.
     pub capture: &'a str,
     /// The frame.
     pub record: &'a Record,
-    /// Its channel's name is among these.
+    /// The channels of the capture, with their names.
     pub channels: &'a Channels,
 }
 
@@ -48,12 +48,12 @@ pub fn can_id(record: &Record) -> u64 {
     u64::from(record.frame.id().raw())
 }
 
-/// Whether the CAN-ID has 29 bits. Error frames have none.
+/// Whether the CAN-ID has 29 bits. Error frames have no CAN-ID.
 pub fn is_extended(frame: &Frame) -> bool {
     frame.id().is_extended() && !frame.is_error()
 }
 
-/// The length of the payload, or that which a remote frame asks for.
+/// The length of the payload; of a remote frame, the requested length.
 pub fn length(record: &Record) -> u64 {
     record.frame.len() as u64
 }

@@ -1,4 +1,4 @@
-//! `messages`: every frame, understood in its context.
+//! `messages`: every frame, decoded in its context.
 
 use super::column::{Column, Rows, write, write_str};
 use super::frames::frame_columns;
@@ -12,17 +12,17 @@ use canvass_traces::{Channels, Record};
 /// The rows of `messages`.
 pub struct Messages;
 
-/// A frame with what it means.
+/// A frame with its meaning.
 pub struct MessageRow<'a> {
-    /// The capture's name.
+    /// The name of the capture.
     pub capture: &'a str,
     /// The frame.
     pub record: &'a Record,
-    /// Its channel's name is among these.
+    /// The channels of the capture, with their names.
     pub channels: &'a Channels,
-    /// What the network made of it.
+    /// The decoded meaning of the frame.
     pub decoded: &'a Decoded,
-    /// The bus, which has just taken it.
+    /// The state of the bus after this frame.
     pub bus: &'a Bus,
 }
 
@@ -72,7 +72,7 @@ impl MessageRow<'_> {
     }
 }
 
-/// What a frame means: of most frames a text that need not be made.
+/// Writes the meaning of a frame; frames without text need no formatting.
 fn meaning(meaning: &Meaning<'_>, out: &mut String) -> bool {
     match meaning.fixed() {
         Some(text) => write_str(out, Some(text)),
@@ -80,12 +80,12 @@ fn meaning(meaning: &Meaning<'_>, out: &mut String) -> bool {
     }
 }
 
-/// The node that a frame is about.
+/// The node that a frame concerns.
 pub fn node(decoded: &Decoded) -> Option<u64> {
     decoded.node.map(NodeId::raw).map(u64::from)
 }
 
-/// How the use of the CAN-ID is known.
+/// The source of the knowledge about the use of the CAN-ID.
 fn source(decoded: &Decoded) -> Option<&'static str> {
     (!matches!(decoded.service, Service::Unknown | Service::ErrorFrame)).then(|| source_name(decoded.source))
 }

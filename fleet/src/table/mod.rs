@@ -1,6 +1,6 @@
-//! The tables: what they are called, their columns, and how rows of captures become them.
+//! The tables: their names and columns, and how rows of captures are made.
 //!
-//! This is the only place that says the schema: Arrow, the lake, `\d` and the documentation all take it from here.
+//! This is the only definition of the schema: Arrow, the lake, `\d` and the documentation all use it.
 
 pub mod builder;
 pub mod captures;
@@ -20,7 +20,7 @@ use datafusion::arrow::datatypes::{DataType, Field, Schema, SchemaRef};
 use serde::{Deserialize, Serialize};
 use std::sync::Arc;
 
-/// The version of the schema: it is raised when a column changes its type or meaning, or goes away.
+/// The version of the schema: it is raised when a column changes its type or meaning, or is removed.
 pub const SCHEMA_VERSION: u32 = 1;
 
 /// The tables.
@@ -31,29 +31,29 @@ pub enum Table {
     Captures,
     /// Frames as they were recorded.
     Frames,
-    /// Frames, understood.
+    /// Frames with their decoded meaning.
     Messages,
-    /// What the frames brought about.
+    /// Events caused by frames.
     Events,
     /// The values of process data.
     Signals,
-    /// What was wrong.
+    /// Problems found by the diagnosis.
     Findings,
-    /// Who was there.
+    /// Nodes on the bus.
     Nodes,
     /// Frames, rates and load.
     Statistics,
     /// Results of tests.
     Runs,
-    /// What came of each case.
+    /// Verdicts of cases, and violations.
     Verdicts,
 }
 
 /// A column as the documentation shows it.
 pub struct Described {
-    /// What it is called and its type.
+    /// The name and type of the column.
     pub field: Field,
-    /// What it says.
+    /// The meaning of the column.
     pub doc: &'static str,
 }
 
@@ -72,7 +72,7 @@ impl Table {
         Self::Verdicts,
     ];
 
-    /// What it is called in SQL.
+    /// The name of the table in SQL.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Captures => "captures",
@@ -88,7 +88,7 @@ impl Table {
         }
     }
 
-    /// What it holds, in a sentence.
+    /// The contents of the table, in a sentence.
     pub const fn doc(self) -> &'static str {
         match self {
             Self::Captures => "Captures as a whole: how far each can be trusted, and why one could not be read.",
@@ -106,17 +106,17 @@ impl Table {
         }
     }
 
-    /// The table of that name.
+    /// The table with this name.
     pub fn by_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|table| table.name() == name)
     }
 
-    /// Whether its rows come from results of tests, and not from captures.
+    /// Whether the rows come from results of tests instead of captures.
     pub const fn is_of_results(self) -> bool {
         matches!(self, Self::Runs | Self::Verdicts)
     }
 
-    /// Its columns.
+    /// The columns of the table.
     pub fn columns(self) -> Vec<Described> {
         match self {
             Self::Captures => described::<captures::Captures>(),
@@ -132,7 +132,7 @@ impl Table {
         }
     }
 
-    /// Its Arrow schema.
+    /// The Arrow schema of the table.
     pub fn schema(self) -> SchemaRef {
         let fields: Vec<Field> = self.columns().into_iter().map(|column| column.field).collect();
         Arc::new(Schema::new(fields))
@@ -143,7 +143,7 @@ fn described<R: Rows>() -> Vec<Described> {
     R::COLUMNS.iter().map(|column: &Column<R>| Described { field: column.field(), doc: column.doc }).collect()
 }
 
-/// What a type is called in the documentation.
+/// The name of a type in the documentation.
 pub const fn type_name(data_type: &DataType) -> &'static str {
     match data_type {
         DataType::Timestamp(..) => "time",

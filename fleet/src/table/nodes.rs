@@ -1,4 +1,4 @@
-//! `nodes`: who was there, and how each kept.
+//! `nodes`: the nodes on the bus, and their statistics.
 
 use super::column::{Column, Rows, columns, write_str};
 use canvass_analyzer::statistics::{BusStatistics, NodeStatistics};
@@ -9,15 +9,15 @@ pub struct Nodes;
 
 /// A node of a capture.
 pub struct NodeRow<'a> {
-    /// The capture's name.
+    /// The name of the capture.
     pub capture: &'a str,
     /// The channel's name.
     pub channel: &'a str,
     /// The node.
     pub id: NodeId,
-    /// Its figures.
+    /// The statistics of the node.
     pub node: &'a NodeStatistics,
-    /// Those of its bus.
+    /// The statistics of its bus.
     pub bus: &'a BusStatistics,
 }
 

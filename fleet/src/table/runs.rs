@@ -1,4 +1,4 @@
-//! `runs`: results of `canvass test` and `canvass fuzz`, as their JSON has them.
+//! `runs`: results of `canvass test` and `canvass fuzz`, with the values of their JSON.
 
 use super::column::{Column, Rows, columns, write_str};
 use canvass_traces::Timestamp;
@@ -9,13 +9,13 @@ pub struct Runs;
 
 /// A result.
 pub struct RunRow<'a> {
-    /// The file's name.
+    /// The name of the file.
     pub run: &'a str,
-    /// Its SHA-256 in hexadecimal.
+    /// The SHA-256 of the file in hexadecimal.
     pub sha256: &'a str,
     /// The document.
     pub document: &'a Value,
-    /// When the run began, of one that has a date.
+    /// The date at which the run began; `None` if the result has no date.
     pub date: Option<Timestamp>,
 }
 
@@ -61,7 +61,7 @@ pub fn kind(document: &Value) -> &'static str {
 }
 
 impl RunRow<'_> {
-    /// What the device says of itself.
+    /// The device's own identity data.
     fn device(&self) -> &Value {
         match &self.document["device"] {
             Value::Null => &self.document["provenance"]["devices"][0],

@@ -11,13 +11,13 @@ pub struct Signals;
 
 /// A value in a PDO or SRDO.
 pub struct SignalRow<'a> {
-    /// The capture's name.
+    /// The name of the capture.
     pub capture: &'a str,
     /// The frame.
     pub record: &'a Record,
-    /// Its channel's name is among these.
+    /// The channels of the capture, with their names.
     pub channels: &'a Channels,
-    /// What the network made of the frame.
+    /// The decoded meaning of the frame.
     pub decoded: &'a Decoded,
     /// The value.
     pub signal: &'a SignalValue<'a>,
@@ -51,7 +51,7 @@ impl Rows for Signals {
         &["capture", "channel", "can_id", "service", "node", "pdo", "index", "sub", "name"];
 }
 
-/// The kind of number.
+/// The name of the number's type.
 const fn type_name(number: Number) -> &'static str {
     match number {
         Number::Boolean(_) => "boolean",
@@ -62,7 +62,7 @@ const fn type_name(number: Number) -> &'static str {
     }
 }
 
-/// The number, where it is whole and fits.
+/// The number as a signed integer, if it is one and fits.
 fn whole(number: Number) -> Option<i64> {
     match number {
         Number::Boolean(value) => Some(i64::from(value)),

@@ -1,4 +1,4 @@
-//! `statistics`: frames, rates and load of each channel, whole and by service.
+//! `statistics`: frames, rates and load of each channel, in total and by service.
 
 use super::column::{Column, Rows, columns, write_str};
 use canvass_analyzer::Service;
@@ -10,13 +10,13 @@ pub struct Statistics;
 
 /// A channel, or one service on it.
 pub struct StatisticsRow<'a> {
-    /// The capture's name.
+    /// The name of the capture.
     pub capture: &'a str,
     /// The channel's name.
     pub channel: &'a str,
-    /// The channel's figures.
+    /// The statistics of the channel.
     pub bus: &'a BusStatistics,
-    /// The service; nothing for all of them.
+    /// The service; `None` for all services.
     pub service: Option<Service>,
 }
 

@@ -1,4 +1,4 @@
-//! `verdicts`: what came of each case of a conformance run, and each property that a fuzzer's run has broken.
+//! `verdicts`: the verdict of each case of a conformance run, and each violation of a fuzzing run.
 
 use super::column::{Column, Rows, columns, write, write_str};
 use super::runs::{RunRow, kind};
@@ -9,7 +9,7 @@ pub struct Verdicts;
 
 /// A case or a violation.
 pub struct VerdictRow<'a> {
-    /// The result that it stands in.
+    /// The result that holds the verdict.
     pub of: &'a RunRow<'a>,
     /// The case or the violation.
     pub case: &'a Value,

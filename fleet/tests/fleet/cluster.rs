@@ -1,4 +1,4 @@
-//! A scheduler and two executors as processes: the same rows as in one process, whatever happens.
+//! A scheduler and two executors as processes give the same rows as one process, whatever happens to them.
 
 use canvass_fleet::table::Table;
 use canvass_fleet::views::VIEWS;
@@ -11,7 +11,7 @@ use std::sync::mpsc::{Receiver, channel};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Nothing takes longer, however busy the computer is.
+/// Time limit of each wait, sufficient even on a busy computer.
 const PATIENCE: Duration = Duration::from_secs(50);
 
 type Environment<'a> = &'a [(&'a str, String)];
@@ -23,7 +23,7 @@ fn program(arguments: &[&str], environment: Environment<'_>) -> Command {
     command
 }
 
-/// A process that is gone when the test ends, however it ends.
+/// A process that is killed when the test ends in any way.
 struct Process {
     child: Child,
     lines: Receiver<String>,
@@ -34,12 +34,12 @@ impl Process {
         let mut child = program(arguments, environment).stdout(Stdio::null()).spawn().unwrap();
         let (sender, lines) = channel();
         let stderr = BufReader::new(child.stderr.take().unwrap());
-        // It is read to its end, so that the process never waits for us.
+        // The thread reads standard error to its end, so that the process never blocks on it.
         thread::spawn(move || stderr.lines().map_while(Result::ok).for_each(|line| drop(sender.send(line))));
         Self { child, lines }
     }
 
-    /// The first line with these words.
+    /// The first line that contains these words.
     fn line_with(&self, words: &str) -> String {
         let (end, mut seen) = (Instant::now() + PATIENCE, Vec::new());
         loop {
@@ -72,13 +72,13 @@ impl Cluster {
         let address = line.rsplit(' ').next().unwrap().to_owned();
         let arguments = ["executor", "--scheduler", &address, "--bind", "127.0.0.1:0", "--tasks", "2"];
         let executors: Vec<Process> = (0..2).map(|_| Process::start(&arguments, environment)).collect();
-        // They are registered then.
+        // Each executor has registered when it logs this line.
         executors.iter().for_each(|executor| drop(executor.line_with("arrow flight")));
         Self { address: format!("df://{address}"), executors, _scheduler: scheduler }
     }
 }
 
-/// What a run gave.
+/// The result of a run.
 struct Ended {
     status: Option<i32>,
     out: String,
@@ -112,7 +112,7 @@ fn run(arguments: &[&str], environment: Environment<'_>) -> Ended {
     ended(program(arguments, environment).spawn().unwrap())
 }
 
-/// The rows of a run that has to succeed, in the order of their texts.
+/// The sorted rows of a run that must succeed.
 fn rows(arguments: &[&str], environment: Environment<'_>) -> Vec<String> {
     let ended = run(arguments, environment);
     assert_eq!(ended.status, Some(0), "{arguments:?}: {}", ended.err);
@@ -121,7 +121,7 @@ fn rows(arguments: &[&str], environment: Environment<'_>) -> Vec<String> {
     rows
 }
 
-/// Captures that show something, a broken file, and results of test runs.
+/// Fills a folder with varied captures, a broken file, and results of test runs.
 fn fill(folder: &Path) {
     let documents = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let copies = ["docs/examples/commissioning.log", "traces/samples/python-can.asc", "traces/samples/ros2-zstd.mcap"];
@@ -142,7 +142,7 @@ fn fill(folder: &Path) {
     }
 }
 
-/// Frames enough that an executor is in the middle of them when it is killed.
+/// Fills a folder with so many frames that an executor is still reading them when it is killed.
 fn fill_with_much(folder: &Path) {
     for capture in 0..12 {
         let line =
@@ -151,7 +151,7 @@ fn fill_with_much(folder: &Path) {
     }
 }
 
-/// All questions that ship, and the number of rows of every table.
+/// The statements of all views, and the number of rows of every table.
 fn questions() -> String {
     let views = VIEWS.iter().map(|view| format!("SELECT * FROM {};", view.name));
     let counts = Table::ALL.map(|table| format!("SELECT '{0}' AS name, count(*) AS n FROM {0};", table.name()));
@@ -220,7 +220,7 @@ fn an_executor_that_dies_makes_no_wrong_numbers() {
     let asked = ["sql", &statement, "--format", "json"];
     let running = program(&[&asked[..], &["--cluster", &cluster.address]].concat(), &[]).spawn().unwrap();
     let mut dying = cluster.executors.remove(0);
-    // It has got a task: its work has begun.
+    // The executor has received a task: its work has begun.
     let _ = dying.line_with("task");
     dying.child.kill().unwrap();
     let ended = ended(running);
@@ -256,7 +256,7 @@ fn an_ingest_that_is_killed_ten_times_gives_the_same_lake() {
 
 #[test]
 fn nobody_there_is_told_with_a_status_of_its_own() {
-    // A port that was free a moment ago.
+    // The system gives a free port, which is free again after this statement.
     let address = std::net::TcpListener::bind("127.0.0.1:0").unwrap().local_addr().unwrap();
     let ended = run(&["sql", "SELECT 1", "--cluster", &format!("df://{address}")], &[]);
     assert_eq!(ended.status, Some(3), "{}", ended.err);

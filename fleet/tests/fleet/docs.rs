@@ -1,4 +1,4 @@
-//! `docs/fleet.md` shows the tables and views that there are.
+//! `docs/fleet.md` shows the current tables and views.
 
 use canvass_fleet::{table, views};
 
@@ -8,7 +8,7 @@ fn page() -> String {
 
 #[test]
 fn the_tables_are_those_of_the_program() {
-    // Renewed by `canvass-fleet schema --markdown`.
+    // `canvass-fleet schema --markdown` prints the current text.
     assert!(page().contains(table::markdown().trim_end()), "the tables in docs/fleet.md are not those of the program");
 }
 

@@ -1,4 +1,4 @@
-//! `canvass-fleet decode`, `signals` and `diagnose` write the tables that SQL gives.
+//! `canvass-fleet decode`, `signals` and `diagnose` write the same tables as SQL.
 
 use std::path::Path;
 use std::process::{Command, Output};

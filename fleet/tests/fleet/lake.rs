@@ -1,4 +1,4 @@
-//! A lake holds what its captures hold, however often and in however many runs it was made.
+//! A lake holds the rows of its captures, no matter how many runs made it.
 
 use crate::sink::Shared;
 use canvass_fleet::capture::{CaptureFile, find};
@@ -55,7 +55,7 @@ async fn open(lake: &Path) -> SessionContext {
     session
 }
 
-/// Captures that show something, a broken file, and results of test runs.
+/// Fills a folder with varied captures, a broken file, and results of test runs.
 fn fill(folder: &Path) {
     let documents = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let copy = |from: &str, to: &str| std::fs::copy(documents.join(from), folder.join(to)).unwrap();
@@ -70,7 +70,7 @@ fn fill(folder: &Path) {
     }
 }
 
-/// A capture of a format that tells the bit rate.
+/// A capture of a format that holds the bit rate.
 fn with_bit_rate() -> String {
     let head = "ASCII Trace IXXAT MiniMon V3  Version: 1.1.4.4533\nDate: 28.01.2025\nStart time: 10:47:15\nStop time: \
                 23:00:00\nOverruns: 0\nBaudrate: 250 kbit/s\n\"Time\";\"Identifier (hex)\";\"Format\";\"Flags\";\"Data (hex)\"\n";
@@ -116,7 +116,8 @@ async fn a_lake_has_the_rows_of_its_captures() {
     register_files(&of_files, &[source.path().display().to_string()]).unwrap();
     for of_table in Table::ALL {
         let (kept, mut read) = (table(&of_lake, of_table).await, table(&of_files, of_table).await);
-        // Results of test runs are no captures: a folder's table tells so, a lake knows them.
+        // Results of test runs are no captures. The table of a folder reports them as unreadable, a lake recognises
+        // them.
         read.retain(|row| !(of_table == Table::Captures && row.contains(".json")));
         assert_eq!(kept, read, "{}", of_table.name());
         assert!(!kept.is_empty(), "{}", of_table.name());
@@ -144,7 +145,7 @@ async fn nothing_goes_in_twice_and_changed_files_are_replaced() {
     assert_eq!((copied.copies, copied.added, copied.known), (1, 0, 8), "{copied:?}");
     assert_eq!(files(lake.path()), before);
 
-    // The file that it was a copy of changes: now its content is there under its own name.
+    // The original of the copy changes: its former content is now stored under the name of the copy.
     let first = "(1738061235.000000) can0 705#00\n";
     std::fs::write(source.path().join("python-can.asc"), first).unwrap();
     let changed = ingest(source.path(), lake.path()).await;
@@ -158,7 +159,7 @@ async fn nothing_goes_in_twice_and_changed_files_are_replaced() {
     .await;
     assert_eq!((frames.len(), &frames[0]["frames"]), (2, &1.into()), "{frames:?}");
 
-    // Rules change how captures are read.
+    // Rules of devices change how captures are read.
     let devices = Devices::new(vec!["5=kuebler-sendix-58x8".parse().unwrap()]);
     let ruled = ingest_with(source.path(), lake.path(), devices).await;
     assert_eq!((ruled.known, ruled.added), (0, 0), "{ruled:?}");

@@ -1,4 +1,4 @@
-//! The tests of the whole, as one program: each by itself would link the engine once more.
+//! All integration tests as one program: each separate program would link the query engine again.
 #![cfg(test)]
 
 mod answers;

@@ -1,4 +1,4 @@
-//! What is written is kept, and can be looked at by who has given it away.
+//! A writer that keeps the written bytes, which the test can read after it has given the writer away.
 
 use std::io::{Result, Write};
 use std::sync::{Arc, Mutex};

@@ -8,7 +8,7 @@ use std::path::Path;
 /// Facts about the running kernel, from files of this machine.
 #[derive(Default)]
 struct Kernel {
-    /// Its release, as `uname -r` prints it.
+    /// The release of the kernel, as `uname -r` prints it.
     release: String,
     /// The build configuration, if the kernel publishes it in `/proc/config.gz` or `/boot/config-RELEASE`.
     config: Option<String>,

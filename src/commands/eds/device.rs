@@ -55,7 +55,7 @@ pub struct Surveyed<T> {
 }
 
 impl DeviceArgs {
-    /// Opens the bus; `usual` is the node-ID of a real device without `--node`.
+    /// Opens the bus; `usual` is the node-ID of a real device if `--node` is not given.
     pub fn open(&self, usual: Option<NodeId>) -> Result<Opened, Failure> {
         let mut live = Live::open(&self.bus, self.node, &[], self.client)?;
         let node = self.node.or(live.simulated_node()).or(usual).ok_or_else(|| which_node(&self.bus, live.model))?;
@@ -69,7 +69,7 @@ impl DeviceArgs {
 }
 
 impl Opened {
-    /// The bit rate of the bus in kbit/s, where it is known.
+    /// The bit rate of the bus in kbit/s, if it is known.
     pub fn bit_rate(&self) -> Option<u16> {
         self.live.bus.bit_rate().and_then(|rate| u16::try_from(rate / 1_000).ok())
     }

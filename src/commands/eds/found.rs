@@ -54,9 +54,9 @@ fn collect(folder: &Path, depth: usize, all: &mut Vec<PathBuf>) -> Result<()> {
     Ok(())
 }
 
-/// A file as it was read.
+/// A device description: its file's name and content.
 pub struct Description {
-    /// As the user named it.
+    /// The path as the user typed it.
     pub name: String,
     pub path: PathBuf,
     /// The file's name without folders; `None` for standard input.

@@ -138,7 +138,7 @@ struct Missing {
 }
 
 impl Missing {
-    /// All objects from that index on: the device stays silent for absent objects, so each would cost a timeout.
+    /// Names all objects from `index` on: the device stays silent for absent objects, so each would cost a timeout.
     fn area(node: NodeId, index: Index) -> Self {
         let what = format!(
             "node {node} does not answer requests for absent objects (expected: abort 0602 0000h): nothing was read \
@@ -147,7 +147,7 @@ impl Missing {
         Self { what, status: Status::Unreachable }
     }
 
-    /// All objects from that entry on, for the given reason.
+    /// Names all objects from `unread` on, with the error as the reason.
     fn since(error: &SurveyError, unread: Option<Multiplexer>) -> Self {
         let from = unread.map(|at| format!(", from {at} on")).unwrap_or_default();
         match error {

@@ -106,7 +106,8 @@ impl Device {
         }
     }
 
-    /// Where its zero point is; `None`: nothing moves one, it does not answer, or it is simulated and made anew.
+    /// The position of the zero point; `None` if no command moves one, if the device does not answer, or if the device
+    /// is simulated and made anew.
     pub fn zero_point(&mut self) -> Option<ZeroPoint> {
         match &mut self.place {
             Place::Live(bus) => zero_point_of(bus.as_mut(), &self.target),

@@ -211,7 +211,7 @@ impl Answers<'_> {
         (!edits.is_empty()).then(|| self.action(title, kind, edits, None))
     }
 
-    /// The edits of a code action that was offered without them.
+    /// The edits of a code action that was offered without edits.
     fn resolved(&self, offered: CodeAction) -> Answer {
         let all = self.action(offered.title.clone(), CodeActionKind::SOURCE_FIX_ALL, self.fixed(), None);
         to_string(&CodeAction { edit: all.edit, ..offered })

@@ -25,7 +25,7 @@ use std::thread::JoinHandle;
 /// The capture. A thread of its own writes it, so that the tester does not wait for the disk.
 pub struct Recorder {
     lines: Sender<Entry>,
-    /// Whether frames mark the cases, too.
+    /// Whether marker frames of CiA's test tool mark the cases as well.
     cct_markers: bool,
     /// Number of frames passed to the recorder.
     frames: AtomicU64,
@@ -36,7 +36,7 @@ pub struct Recorder {
 /// A message to the writing thread.
 enum Entry {
     Frame(Record),
-    /// Begin of the case with this id.
+    /// Beginning of the case with this id.
     Begin(&'static str),
     /// End of the case, with its verdict.
     End(&'static str, Kind),
@@ -93,7 +93,7 @@ impl Recorder {
     }
 
     fn entry(&self, entry: Entry) {
-        // The thread keeps its error for the end: a capture that can't be written must not end the run.
+        // The thread keeps an error of writing for the end: a capture that can't be written must not end the run.
         let _ = self.lines.send(entry);
     }
 
@@ -124,7 +124,7 @@ impl Recorder {
 
     /// Completes the capture.
     pub fn finish(&self) -> Result<()> {
-        // If the thread has ended already, its result says why.
+        // If the thread has ended already, the thread's result says why.
         let _ = self.lines.send(Entry::Finish);
         let thread = self.thread.lock().unwrap_or_else(PoisonError::into_inner).take();
         thread.map_or(Ok(()), ended)

@@ -32,7 +32,7 @@ pub enum ReportFormat {
 }
 
 impl ReportFormat {
-    /// The form of the report, with such a text.
+    /// The form of a report in this format; text is printed in `style`.
     pub const fn form(self, style: Style) -> Form {
         match self {
             Self::Table => Form::Text(style),
@@ -134,10 +134,10 @@ impl Shown {
     }
 }
 
-/// Writes a report to standard output. That nobody reads it any more is no error.
+/// Writes a report to standard output. A reader that closes standard output early is no error.
 ///
 /// # Errors
-/// If it can't be written.
+/// If the report can't be written.
 pub fn print(report: &dyn document::Report, format: ReportFormat) -> io::Result<()> {
     let style = Style { color: false, width: terminal_width() };
     let mut out = document(false);
@@ -147,7 +147,7 @@ pub fn print(report: &dyn document::Report, format: ReportFormat) -> io::Result<
 /// Writes a report into a file.
 ///
 /// # Errors
-/// If it can't be written.
+/// If the file can't be written.
 pub fn write_file(report: &dyn document::Report, format: ReportFormat, file: WholeFile) -> Result<()> {
     let mut out = file.document()?;
     report

@@ -1,6 +1,7 @@
-//! A simulated device in virtual time for a program of somebody else: requests on standard input, answers on standard
-//! output, a JSON object a line ([`request`]). The peer is the device's user: it reads, writes, waits, switches the supply
-//! off and on. Between that it lets canvass test the device, ends such a run early, and lets canvass restore the device.
+//! A simulated device in virtual time for an independent program: requests on standard input, answers on standard
+//! output, one JSON object per line ([`request`]). The peer acts as the device's user: it reads, writes, waits, and
+//! switches the supply off and on. In between it lets canvass test the device, ends such a run early, and lets canvass
+//! restore the device.
 
 mod request;
 mod run;

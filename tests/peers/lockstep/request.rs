@@ -1,4 +1,4 @@
-//! What can be asked for.
+//! The requests of the peer.
 
 use serde::Deserialize;
 
@@ -6,23 +6,23 @@ use serde::Deserialize;
 #[derive(Deserialize)]
 #[serde(tag = "do", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Request {
-    /// The models, the words of `--allow`, the cases with what each of them touches.
+    /// Lists the models, the words of `--allow`, and the cases with their touches.
     Catalogue,
-    /// A bus of its own for the simulated device of that address, switched on at time 0.
+    /// Creates a bus of its own for the simulated device with this address, switched on at time 0.
     Device { address: String },
-    /// Sends a frame and receives until the bus was silent for that long.
+    /// Sends a frame and receives until the bus was silent for this time.
     Send { frame: String, silence_us: u64 },
-    /// Receives for that long.
+    /// Receives for this time.
     Wait { ms: u64 },
     /// Switches the supply of the device off and on.
     PowerCycle,
-    /// Keeps the state of bus, device and journal under that name.
+    /// Keeps the state of bus, device and journal under this name.
     Keep { name: String },
-    /// Goes back to a state that was kept.
+    /// Returns to a kept state.
     GoBack { name: String },
-    /// `canvass test`.
+    /// Runs `canvass test`.
     Run(Wanted),
-    /// `canvass restore`, by the journal that a killed run has left.
+    /// Runs `canvass restore` with the journal of a killed run.
     Restore,
 }
 
@@ -34,12 +34,12 @@ pub struct Wanted {
     pub allow: Vec<String>,
     /// The ids of the cases; empty: all cases.
     pub select: Vec<String>,
-    /// `--zero-point-stored`.
+    /// The option `--zero-point-stored`.
     pub zero_point_stored: bool,
-    /// `--power-cycle`: whether the tester can switch the supply of the device.
+    /// The option `--power-cycle`: whether the tester can switch the supply of the device.
     pub power_cycle: bool,
     /// Presses Ctrl-C at this frame, counted from 1.
     pub interrupt: Option<u64>,
-    /// Keeps what a kill at each of these frames would leave, under the name `kill N`.
+    /// Frames, counted from 1, at each of which the state that a kill would leave is kept under the name `kill N`.
     pub kill: Vec<u64>,
 }

@@ -1,4 +1,4 @@
-//! `canvass test` and `canvass restore` on the simulated bus, and what their user is told.
+//! `canvass test` and `canvass restore` on the simulated bus, and their messages to the user.
 
 use super::request::Wanted;
 use super::watched::{Moments, Seen, Watched};
@@ -19,15 +19,15 @@ use serde_json::{Value, json};
 use std::collections::BTreeSet;
 use std::path::Path;
 
-/// What a run tells while it goes on.
+/// The events of a run.
 #[derive(Default)]
 struct Told {
-    /// Each case that has ended: its id, the frames before its begin and at its end, its verdict.
+    /// Each finished case: its id, the number of frames before its beginning and at its end, its verdict.
     cases: Vec<(&'static str, u64, u64, &'static str)>,
     begun_at: u64,
-    /// How many cases have begun.
+    /// Number of cases that have begun.
     begun: usize,
-    /// How many frames the tester had sent when the last case ended.
+    /// Number of frames that the tester had sent when the last case ended.
     closing: usize,
     comparison: Option<Comparison>,
     notices: Vec<String>,
@@ -67,7 +67,7 @@ pub fn test(world: &mut World, wanted: &Wanted) -> Result<Value> {
     Ok(answer)
 }
 
-/// How the device is tested.
+/// The options of the run.
 fn options(wanted: &Wanted, journal: &Path, switch: &Path) -> Result<Options> {
     let allow = wanted.allow.iter().map(|word| word.parse()).collect::<Result<BTreeSet<Touch>, _>>()?;
     let power_cycle = wanted.power_cycle.then(|| format!("touch '{}'", switch.display()));
@@ -97,7 +97,7 @@ pub fn restore(world: &mut World) -> Result<Value> {
     Ok(answer)
 }
 
-/// What `canvass restore` knows of the device: what the journal says.
+/// The device as `canvass restore` knows it, from the journal.
 fn target(interrupted: &Interrupted, subject: &Subject) -> Target {
     let known = (!interrupted.device.is_empty()).then(|| KnownDevice::clone(subject.model.device()));
     Target::known(interrupted.node, interrupted.device.clone(), known)
@@ -146,7 +146,7 @@ impl Told {
     }
 }
 
-/// What the user reads of the object dictionary.
+/// Adds the user's lines about the object dictionary to the answer.
 fn compare(answer: &mut Value, comparison: &Comparison) {
     answer["is_as_found"] = comparison.is_as_found().into();
     answer["lines"] = lines(comparison).into();

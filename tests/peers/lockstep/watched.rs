@@ -1,4 +1,4 @@
-//! The bus as the run has it: every frame is counted, and at chosen frames the run is interrupted or its state is kept.
+//! The bus of a run, which counts every frame, and interrupts the run or keeps its state at chosen frames.
 
 use super::world::State;
 use canvass_bus::{Bus, BusError, SimulatedBus};
@@ -7,25 +7,25 @@ use std::cell::{Cell, RefCell};
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// What happens at which frame, counted from 1.
+/// The frames, counted from 1, at which the run is interrupted or its state kept.
 #[derive(Default)]
 pub struct Moments {
     pub interrupt: Option<u64>,
     pub kill: Vec<u64>,
-    /// Where the run writes its journal.
+    /// The path of the run's journal.
     pub journal: PathBuf,
-    /// When this file is there, the supply is switched off and on.
+    /// The file that requests to switch the supply off and on.
     pub switch: PathBuf,
     pub cancel: AtomicBool,
 }
 
-/// What was on the bus so far.
+/// The frames on the bus so far.
 #[derive(Default)]
 pub struct Seen {
     pub frames: Cell<u64>,
-    /// Those of the tester.
+    /// The frames of the tester.
     pub sent: RefCell<Vec<Frame>>,
-    /// What a kill would leave, by the number of the frame.
+    /// The state that a kill would leave, with the number of the frame.
     pub kills: RefCell<Vec<(u64, State)>>,
 }
 
@@ -37,7 +37,8 @@ pub struct Watched<'a> {
 }
 
 impl Watched<'_> {
-    /// The tester's command for the supply ends before it uses the bus again.
+    /// Switches the supply on request. The tester's command for the supply has ended before the tester uses the bus
+    /// again.
     fn obey_switch(&mut self) {
         if self.moments.switch.exists() && std::fs::remove_file(&self.moments.switch).is_ok() {
             self.bus.power_cycle(0);
@@ -56,7 +57,7 @@ impl Watched<'_> {
         if self.moments.kill.contains(&frame)
             && let Some(bus) = self.bus.duplicate()
         {
-            // The tester never learns of this frame: what it had written down by now is all there is.
+            // The killed tester never learns of this frame: only the journal up to now is left.
             let journal = std::fs::read_to_string(&self.moments.journal).ok();
             self.seen.kills.borrow_mut().push((frame, State { bus, journal }));
         }

@@ -1,4 +1,4 @@
-//! The bus with its device, the journal, and the states that were kept.
+//! The bus with its device, the journal, and the kept states.
 
 use anyhow::{Context, Result, bail};
 use canvass_analyzer::NodeId;
@@ -17,13 +17,13 @@ use std::path::PathBuf;
 /// Maximum time that the test listens after a sent frame, on a bus that is never silent.
 const PATIENCE: Duration = Duration::from_millis(1_000);
 
-/// What a run can change: bus and device, and the journal that it leaves.
+/// The state that a run can change: bus and device, and the journal that the run leaves.
 pub struct State {
     pub bus: SimulatedBus,
     pub journal: Option<String>,
 }
 
-/// The simulated device that is judged.
+/// The simulated device under test.
 #[derive(Clone)]
 pub struct Subject {
     pub address: String,
@@ -32,7 +32,7 @@ pub struct Subject {
     pub bit_rate: u32,
 }
 
-/// All that outlives a request.
+/// The data that outlive a request.
 pub struct World {
     current: Option<(Subject, State)>,
     kept: BTreeMap<String, State>,
@@ -40,7 +40,7 @@ pub struct World {
 }
 
 impl State {
-    /// The same state a second time.
+    /// A copy of the state.
     fn duplicate(&self) -> Result<Self> {
         let bus = self.bus.duplicate().context("a device on this bus can't be had a second time")?;
         Ok(Self { bus, journal: self.journal.clone() })
@@ -52,7 +52,7 @@ impl World {
         Ok(Self { current: None, kept: BTreeMap::new(), folder: tempfile::tempdir()? })
     }
 
-    /// Where runs write their journal.
+    /// The path of the runs' journal.
     pub fn journal_path(&self) -> PathBuf {
         self.folder.path().join("journal")
     }
@@ -65,7 +65,7 @@ impl World {
     pub fn device(&mut self, address: String) -> Result<Value> {
         let BusAddress::Simulated(mut named) = address.parse()? else { bail!("{address} is no simulated device") };
         for device in &mut named {
-            // As `--node` would commission a model that is delivered without node-ID.
+            // Like `--node`, this gives a node-ID to a model that is delivered without one.
             let node = node_of(device.model()?);
             device.node.get_or_insert(GivenNode::Id(node));
         }
@@ -123,19 +123,19 @@ impl World {
         let state = self.kept.get(name).with_context(|| format!("nothing was kept as \"{name}\""))?.duplicate()?;
         let (subject, current) = self.current()?;
         *current = state;
-        // Who comes later opens the bus at its usual bit rate, whatever the run was doing.
+        // The next user opens the bus at its usual bit rate, whatever bit rate the run had set.
         current.bus.set_bit_rate(subject.bit_rate)?;
         Ok(json!({ "now": current.bus.now().0, "frames": [] }))
     }
 
-    /// The device, and its state.
+    /// The device with its state.
     pub fn current(&mut self) -> Result<(&Subject, &mut State)> {
         let (subject, state) = self.current.as_mut().context("no device was asked for")?;
         Ok((subject, state))
     }
 }
 
-/// A frame as candump writes it, unless the tester's side sent it.
+/// A frame as candump writes it; `None` if the tester's side sent it.
 fn of_device(record: &Record) -> Option<String> {
     (record.direction != Direction::Tx).then(|| record.frame.to_string())
 }

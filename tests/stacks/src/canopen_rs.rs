@@ -1,8 +1,8 @@
-//! `canopen-rs` as a device: its node, and the application that its documentation asks for.
+//! `canopen-rs` as a device: its node, and the application that its documentation requires.
 //!
-//! The crate leaves to the application: timers (heartbeat, event timer), what happens at a reset, guarding requests,
-//! SYNC reception, events of PDOs, non-volatile memory. That is done here as its documentation says, and no more: what
-//! the crate decides, it decides.
+//! The crate leaves to the application: timers (heartbeat, event timer), reactions to a reset, guarding requests, SYNC
+//! reception, events of PDOs, non-volatile memory. This application follows the documentation and does nothing more:
+//! decisions of the crate stay as they are.
 
 mod objects;
 
@@ -16,7 +16,7 @@ use canvass_traces::{CanId, Duration, Frame, Timestamp};
 use objects::{CAPACITY, IDENTITY, dictionary};
 use std::collections::VecDeque;
 
-/// What its object dictionary holds.
+/// The device description of the stack's object dictionary.
 pub const EDS: &str = include_str!("../canopen-rs.eds");
 
 /// The node-ID as delivered.
@@ -28,16 +28,16 @@ const STORE_CONFIGURATION: u8 = 0x17;
 /// NMT reset communication: the application's objects stay.
 const RESET_COMMUNICATION: u8 = 0x82;
 
-/// A device of which `canopen-rs` is the stack.
+/// A device with the stack `canopen-rs`.
 pub struct CanopenRs {
-    /// In non-volatile memory; 255: none.
+    /// The node-ID in non-volatile memory; 255: none.
     stored_node: u8,
     node: Node<CAPACITY>,
     outbox: VecDeque<Frame>,
-    /// A reset starts the CAN controller anew.
+    /// Whether a reset has restarted the CAN controller, which empties its mailboxes.
     emptied: bool,
     heartbeat: Option<Heartbeat>,
-    /// What each PDO sent last: one of type 254 or 255 is sent when its values change.
+    /// The last frame of each PDO: a PDO of type 254 or 255 is sent when its values change.
     sent: [Option<TxFrame>; TPDOS],
 }
 
@@ -49,12 +49,12 @@ struct Heartbeat {
 }
 
 impl CanopenRs {
-    /// As delivered, with node-ID [`NODE`].
+    /// The device as delivered, with node-ID [`NODE`].
     pub fn new() -> Self {
         Self::with_stored_node(NODE)
     }
 
-    /// As delivered without a node-ID: LSS gives it one.
+    /// The device as delivered without a node-ID: LSS gives it one.
     pub fn unconfigured() -> Self {
         Self::with_stored_node(UNCONFIGURED_NODE_ID)
     }
@@ -64,7 +64,7 @@ impl CanopenRs {
         Self { stored_node, node, outbox: VecDeque::new(), emptied: false, heartbeat: None, sent: [None; TPDOS] }
     }
 
-    /// Makes the node: with that node-ID, or, if it is none, with LSS alone.
+    /// Makes the node with this node-ID; if the node-ID is not valid, with LSS alone.
     fn initialise(&mut self, now: Timestamp, node_id: u8, kept: Option<&ObjectDictionary<CAPACITY>>) {
         let id = NodeId::new(node_id).ok();
         let mut objects = dictionary(id.unwrap_or_else(placeholder));
@@ -92,7 +92,7 @@ impl CanopenRs {
         self.outbox.extend(CanId::standard(u32::from(frame.cob_id)).and_then(|id| Frame::new(id, frame.data())));
     }
 
-    /// The timer runs from the time at which the period was set, or from the boot-up message.
+    /// Starts the heartbeat timer, which runs from the time at which the period was set, or from the boot-up message.
     fn set_heartbeat(&mut self, now: Timestamp) {
         let period = match self.node.od().read(Address::new(0x1017, 0)) {
             Ok(Value::Unsigned16(milliseconds)) => Duration::from_millis(u64::from(milliseconds)),
@@ -101,7 +101,7 @@ impl CanopenRs {
         self.heartbeat = (period.nanos() > 0).then(|| Heartbeat { period, due: now + period });
     }
 
-    /// What a data frame with an identifier of 11 bits leads to.
+    /// Handles a data frame with an 11-bit CAN-ID.
     fn receive(&mut self, now: Timestamp, cob_id: u16, data: &[u8]) {
         let was_unconfigured = self.is_unconfigured();
         let before = self.node.state();
@@ -124,7 +124,8 @@ impl CanopenRs {
         self.node.lss().is_some_and(|lss| lss.node_id() == UNCONFIGURED_NODE_ID)
     }
 
-    /// A reset shows as the state initialising; an application sees by the command which of the two it was.
+    /// Completes an NMT command. The stack is initialising after both resets; the application distinguishes them by the
+    /// command.
     fn after_nmt(&mut self, now: Timestamp, data: &[u8], before: NmtState) {
         if self.is_unconfigured() {
             return;
@@ -137,14 +138,16 @@ impl CanopenRs {
         }
     }
 
-    /// The pending node-ID comes into force, the communication objects are as delivered, the others stay.
+    /// Resets the communication: the pending node-ID comes into force, the communication objects become as delivered,
+    /// and the other objects stay.
     fn reset_communication(&mut self, now: Timestamp) {
         let pending = self.node.lss().map_or(self.node.node_id().raw(), |lss| lss.pending_node_id());
         let kept = std::mem::replace(&mut self.node, Node::new(placeholder(), ObjectDictionary::new()));
         self.initialise(now, pending, Some(kept.od()));
     }
 
-    /// Storing is the application's matter; so is starting once an unconfigured node has been given its node-ID.
+    /// Completes an LSS request: the application stores the node-ID, and starts an unconfigured node that got its
+    /// node-ID.
     fn after_lss(&mut self, now: Timestamp, data: &[u8], was_unconfigured: bool) {
         let Some(lss) = self.node.lss() else { return };
         let (state, pending) = (lss.state(), lss.pending_node_id());
@@ -156,13 +159,13 @@ impl CanopenRs {
         }
     }
 
-    /// Reacts to what an SDO has written.
+    /// Reacts to an object written by SDO.
     fn after_write(&mut self, now: Timestamp) {
         let Some(written) = self.node.take_written_object() else { return };
         match written.index {
             0x1400..=0x1BFF => self.node.configure_pdos_from_od(),
             0x1017 => self.set_heartbeat(now),
-            // "A master writes 0 to clear": the list is the node's, and there is one way to empty it.
+            // "A master writes 0 to clear": the stack has only this one way to empty the list.
             0x1003 => {
                 self.node.clear_errors();
             }

@@ -1,8 +1,8 @@
 //! Third-party CANopen stacks, as devices on the simulated bus.
 //!
-//! Simulated devices and cases come from the same hands and can share a mistake. These come from other hands: each is
-//! used as its documentation tells an application to, with a device description of ours that says what its object
-//! dictionary holds. What the cases and the fuzzer find in them is in `docs/peers.md`.
+//! The same people wrote the simulated devices and the cases, and may have made the same mistake in both. Other people
+//! wrote these stacks: each is used by an application as its documentation requires, with a device description of ours
+//! for its object dictionary. The findings of the cases and of the fuzzer are in `docs/peers.md`.
 
 pub mod canopen_rs;
 mod stack;

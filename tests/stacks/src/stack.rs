@@ -1,4 +1,4 @@
-//! What any stack needs to be a device on the simulated bus.
+//! The adaptation of any stack to a device on the simulated bus.
 
 use canvass_bus::Machine;
 use canvass_traces::{Duration, Frame, Timestamp};
@@ -6,47 +6,47 @@ use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// A stack with the application that its documentation asks for. Time counts from switching on.
+/// A stack with the application that its documentation requires. Times count from switching on.
 pub trait Stack: Send {
-    /// The supply comes on, for the first time or again: only what is stored is as before.
+    /// Switches the supply on, for the first time or again: only stored data are kept.
     fn switch_on(&mut self);
 
-    /// A frame of another participant.
+    /// Handles a frame of another participant.
     fn handle(&mut self, now: Timestamp, frame: &Frame);
 
     /// The next frame to send.
     fn transmit(&mut self) -> Option<Frame>;
 
-    /// Whether the CAN controller's mailboxes were emptied since [`Stack::transmit`] was called last: a frame that waits
-    /// for the bus is then not sent any more.
+    /// Whether the CAN controller's mailboxes were emptied since the last call of [`Stack::transmit`]: a frame that
+    /// still waits for the bus is then not sent.
     fn has_emptied_mailboxes(&self) -> bool {
         false
     }
 
-    /// When [`Stack::tick`] wants to be called next.
+    /// The time of the next call of [`Stack::tick`].
     fn wake(&self) -> Option<Timestamp>;
 
-    /// The time of [`Stack::wake`] has come.
+    /// Called at the time of [`Stack::wake`].
     fn tick(&mut self, now: Timestamp);
 }
 
 /// A stack that panicked.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Death {
-    /// On the clock of the bus.
+    /// The time of the panic on the clock of the bus.
     pub at: Timestamp,
-    /// What it was handed last, if it was a frame.
+    /// The frame that the stack was handling, if it was handling one.
     pub frame: Option<Frame>,
     /// The message of the panic.
     pub reason: String,
 }
 
-/// Where the deaths of a device are kept, oldest first: the device itself belongs to the bus.
+/// The panics of a device, oldest first. They are kept apart from the device, which belongs to the bus.
 #[derive(Clone, Default, Debug)]
 pub struct Memorial(Arc<Mutex<Vec<Death>>>);
 
 impl Memorial {
-    /// What it died of, each time.
+    /// All panics of the device.
     pub fn deaths(&self) -> Vec<Death> {
         self.0.lock().unwrap_or_else(PoisonError::into_inner).clone()
     }
@@ -56,12 +56,12 @@ impl Memorial {
     }
 }
 
-/// A stack as a participant of the simulated bus. One that panics is silent from then on: until it is switched off and
-/// on, or until its watchdog restarts it, if it has one.
+/// A stack as a participant of the simulated bus. After a panic the device is silent until it is switched off and on,
+/// or until its watchdog restarts it.
 pub struct StackDevice<S> {
     stack: S,
     switched_on: Timestamp,
-    /// It wants to be asked what it has to send at its start.
+    /// Whether the bus still has to fetch the frames of the start.
     starting: bool,
     dead_since: Option<Timestamp>,
     watchdog: Option<Duration>,
@@ -69,7 +69,7 @@ pub struct StackDevice<S> {
 }
 
 impl<S: Stack> StackDevice<S> {
-    /// The stack, switched on at time 0.
+    /// A device with this stack, switched on at time 0.
     pub fn new(stack: S) -> Self {
         let mut device = Self {
             stack,
@@ -83,7 +83,7 @@ impl<S: Stack> StackDevice<S> {
         device
     }
 
-    /// With a watchdog that switches the device off and on this long after it died, as most devices in the field have
+    /// Adds a watchdog, which switches the device off and on this long after a panic; most devices in the field have
     /// one.
     #[must_use]
     pub fn with_watchdog(mut self, after: Duration) -> Self {
@@ -91,14 +91,14 @@ impl<S: Stack> StackDevice<S> {
         self
     }
 
-    /// With its deaths kept together with those of others.
+    /// Keeps the panics in `memorial`, together with those of other devices.
     #[must_use]
     pub fn remembered_in(mut self, memorial: &Memorial) -> Self {
         self.memorial = memorial.clone();
         self
     }
 
-    /// Where its deaths will be found.
+    /// The place where the panics are kept.
     pub fn memorial(&self) -> Memorial {
         self.memorial.clone()
     }
@@ -107,12 +107,12 @@ impl<S: Stack> StackDevice<S> {
         Timestamp(now.since(self.switched_on).0)
     }
 
-    /// Calls the stack, unless it is dead.
+    /// Calls the stack, unless it has panicked.
     fn alive<T>(&mut self, now: Timestamp, frame: Option<&Frame>, call: impl FnOnce(&mut S) -> T) -> Option<T> {
         if self.dead_since.is_some() {
             return None;
         }
-        // A stack that has panicked is not called again before it is made anew.
+        // A stack that has panicked is not called again before it is switched on anew.
         match catch_unwind(AssertUnwindSafe(|| call(&mut self.stack))) {
             Ok(result) => Some(result),
             Err(panic) => {
@@ -176,7 +176,7 @@ mod tests {
     use canvass_bus::{Bus, SimulatedBus};
     use canvass_traces::CanId;
 
-    /// Says its name when it is switched on, repeats what it hears, and dies of remote frames.
+    /// A stack that sends its name when it is switched on, repeats all frames, and panics at remote frames.
     #[derive(Default)]
     struct Parrot(Vec<Frame>);
 

@@ -1,7 +1,7 @@
-//! `zencan-node` as a device: its node, and the application that its documentation asks for.
+//! `zencan-node` as a device: its node, and the application that its documentation requires.
 //!
-//! The node lives in statics that its build script makes of `zencan.toml`, so there is one in a process. Each
-//! [`Zencan`] holds it alone: another thread that makes one waits.
+//! The node lives in statics that its build script makes of `zencan.toml`, so there is only one in a process. A
+//! [`Zencan`] has exclusive use of it: another thread that creates one waits.
 
 mod memory;
 
@@ -19,23 +19,23 @@ mod node {
     zencan_node::include_modules!(ZENCAN);
 }
 
-/// What its object dictionary holds.
+/// The device description of the stack's object dictionary.
 pub const EDS: &str = include_str!("../zencan.eds");
 
 /// The node-ID as delivered.
 pub const NODE: u8 = 10;
 
-/// What stands for none.
+/// The value that stands for no node-ID.
 const UNCONFIGURED: u8 = 255;
 
-/// 1018h:04.
+/// The serial number 1018h:04.
 const SERIAL: u32 = 0x1234;
 
-/// Period at which the application's task calls `process`, besides the calls that a message causes: 10 ms in the
-/// documentation's example, less here so that nothing that comes late is the application's fault.
+/// Period at which the application's task calls `process`, besides the calls that a message causes. The documentation's
+/// example has 10 ms; the period is shorter here so that no delay is the application's fault.
 const TASK_NS: u64 = 1_000_000;
 
-/// A device of which `zencan-node` is the stack.
+/// A device with the stack `zencan-node`.
 pub struct Zencan {
     memory: Arc<Memory>,
     running: Option<Running>,
@@ -45,14 +45,14 @@ pub struct Zencan {
 struct Running {
     node: OwnNode,
     mbox: &'static NodeMbox,
-    /// The mailbox wants the node to process something.
+    /// Whether the mailbox has requested a call of `process`.
     notified: Arc<AtomicBool>,
     due: Timestamp,
-    /// The values that TPDOs carry, as last seen: their events are the application's matter.
+    /// The last values of the TPDOs' objects: the application has to report their changes.
     sent: Parts,
 }
 
-/// The node is not `Send` because its callbacks need not be.
+/// The node, which is not `Send` because its callbacks need not be.
 struct OwnNode(Node<'static>);
 
 // SAFETY: all other parts of a node are `Send`; its callbacks are those of `memory::callbacks`, whose closures own
@@ -61,12 +61,12 @@ struct OwnNode(Node<'static>);
 unsafe impl Send for OwnNode {}
 
 impl Zencan {
-    /// As delivered, with node-ID [`NODE`].
+    /// The device as delivered, with node-ID [`NODE`].
     pub fn new() -> Self {
         Self::with_stored_node(NODE)
     }
 
-    /// As delivered without a node-ID: LSS gives it one.
+    /// The device as delivered without a node-ID: LSS gives it one.
     pub fn unconfigured() -> Self {
         Self::with_stored_node(UNCONFIGURED)
     }
@@ -118,7 +118,7 @@ impl Stack for Zencan {
 
     fn handle(&mut self, now: Timestamp, frame: &Frame) {
         let Some(running) = &mut self.running else { return };
-        // What it does not consume it returns.
+        // The mailbox returns messages that it does not consume.
         let _ = running.mbox.store_message(message(frame));
         if running.notified.load(Ordering::Relaxed) {
             running.process(now);

@@ -1,7 +1,7 @@
-//! The fuzzer on devices whose stacks others wrote: which properties they break, each by its smallest sequence.
+//! The fuzzer on devices with third-party stacks: the properties that they break, each by its smallest sequence.
 //!
-//! Every violation was judged by hand, in `docs/peers.md`. One that is missing here is a change of the oracle, of the
-//! generator or of a stack.
+//! Every violation was judged by hand, in `docs/peers.md`. A violation that is missing here shows a change of the
+//! oracle, of the generator or of a stack.
 
 #![cfg(test)]
 
@@ -19,7 +19,7 @@ use std::fmt::Write;
 const BIT_RATE: u32 = 500_000;
 const BOOT: Duration = Duration::from_millis(100);
 
-/// A stack as the fuzzer gets it: new for each sequence.
+/// A stack for the fuzzer, made anew for each sequence.
 struct Peer {
     make: MakeDevice,
     eds: &'static str,
@@ -57,7 +57,7 @@ fn fuzz(peer: Peer, target: Target, sequences: u64) -> Outcome {
     let node = NodeId::new(peer.node).unwrap();
     let description = DeviceDescription::read(peer.eds.as_bytes()).unwrap();
     let mut knowledge = Knowledge::new(node, Some(&description), None);
-    // They answer at once; their tasks run every millisecond.
+    // The stacks answer at once; their tasks run every millisecond.
     knowledge.patience = Patience {
         answer: Duration::from_millis(50),
         quiet: Duration::from_millis(5),
@@ -78,8 +78,8 @@ fn fuzz(peer: Peer, target: Target, sequences: u64) -> Outcome {
     campaign::run(&mut stand, knowledge, &plan, &mut |progress| progress.sequences < sequences).unwrap()
 }
 
-/// Demands that no properties are broken but these, by these rules, and most of them: which of them a run of this length
-/// meets depends on every draw of the generator.
+/// Requires that all violations are of these properties and rules, and that most of these are found: the draws of the
+/// generator decide which ones a run of this length finds.
 fn expect(found: &[Found], expected: &[(Property, &'static str)]) {
     let broken: BTreeSet<_> = found.iter().map(|found| (found.violation.property, found.violation.rule)).collect();
     let mut wrong = String::new();
@@ -97,7 +97,7 @@ fn expect(found: &[Found], expected: &[(Property, &'static str)]) {
     assert!(found.iter().all(|found| found.confirmed), "on the simulated bus everything comes again");
 }
 
-/// Fuzzes each service for itself: what breaks one does not hide what breaks another.
+/// Fuzzes each service separately, so that a violation of one does not hide those of another.
 fn judge(peer: fn() -> Peer, sequences: u64, expected: &[(Property, &'static str)], panics: &[&str]) {
     let (mut found, mut deaths) = (Vec::new(), BTreeSet::new());
     for target in [Target::Sdo, Target::Lss, Target::Nmt, Target::Pdo, Target::SyncEmcy] {

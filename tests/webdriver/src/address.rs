@@ -1,8 +1,8 @@
-//! Files as addresses.
+//! URLs of files.
 
 use std::path::Path;
 
-/// A file as an address: whatever is in its name.
+/// The URL of a file, whatever characters its name has.
 pub fn url(path: &Path) -> String {
     let plain = |byte: u8| byte.is_ascii_alphanumeric() || b"/-_.".contains(&byte);
     let path = path.as_os_str().as_encoded_bytes().iter();

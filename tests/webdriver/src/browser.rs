@@ -1,4 +1,4 @@
-//! The browser: from its start to its end, and what it shows.
+//! The browser from its start to its end, and its pictures.
 
 use crate::address::url;
 use crate::driver::Driver;
@@ -12,7 +12,7 @@ use std::time::Duration;
 use tokio::runtime::{Builder, Runtime};
 use tokio::time::timeout;
 
-/// Maximum time of an answer.
+/// Time limit of an answer.
 const LONGEST: Duration = Duration::from_secs(120);
 /// Maximum time that the browser takes to end after a failed test.
 const AFTER_FAILURE: Duration = Duration::from_secs(5);
@@ -21,32 +21,32 @@ const AFTER_FAILURE: Duration = Duration::from_secs(5);
 pub struct Browser {
     pub(crate) client: Client,
     runtime: Runtime,
-    // These end in this order: the profile goes when nothing writes to it any more.
+    // The fields are dropped in this order: the profile is deleted when no process writes into it any more.
     pub(crate) driver: Driver,
     _profile: tempfile::TempDir,
 }
 
 impl Browser {
-    /// Opens a file in a browser that knows nothing of any other.
+    /// Opens a file in a browser with an empty profile.
     #[track_caller]
     pub fn open(page: &Path, screen: Screen) -> Self {
         Self::prepared(&url(page), screen, |_| {})
     }
 
-    /// Opens an address, once a browser was made ready for it.
+    /// Opens an address after `prepare` has changed the browser.
     #[track_caller]
     pub fn prepared(address: &str, screen: Screen, prepare: impl FnOnce(&Self)) -> Self {
         let profile = tempfile::tempdir().expect("a folder for the profile");
         let driver = Driver::start();
         let runtime = Builder::new_current_thread().enable_all().build().expect("a runtime");
         let mut connector = HttpConnector::new();
-        // A command is small, and its answer waited for.
+        // Commands are small, and each waits for its answer: without this option the system would delay them.
         connector.set_nodelay(true);
         let mut builder = ClientBuilder::new(connector);
         builder.capabilities(capabilities(screen, profile.path()));
         let client = answer(&runtime, "a new session", builder.connect(&driver.address()));
         let browser = Self { client, runtime, driver, _profile: profile };
-        // What a new window does is no matter of the page.
+        // Requests of a new window do not belong to the page.
         browser.go("about:blank");
         browser.log("performance");
         browser.log("browser");
@@ -61,7 +61,7 @@ impl Browser {
         self.ask(format_args!("go to {address}"), self.client.goto(address));
     }
 
-    /// What is to be seen, as PNG.
+    /// A picture of the visible part of the page, as PNG.
     #[track_caller]
     pub fn picture(&self) -> Vec<u8> {
         self.ask("a picture", self.client.screenshot())
@@ -73,16 +73,16 @@ impl Browser {
         self.ask("a print", self.client.print(PrintConfiguration::default()))
     }
 
-    /// The memory of its own that the process of the page takes now, in kB: what it shares with others, as the browser's own
-    /// code, does not count. Of several pages that of the largest.
+    /// The private memory of the page's process in kB: memory shared with other processes, such as the browser's own
+    /// code, does not count. If there are several pages, the largest counts.
     ///
     /// # Errors
-    /// If the system does not tell of its processes.
+    /// If the system offers no data about its processes.
     pub fn memory(&self) -> std::io::Result<u64> {
         crate::memory::of_pages(self.driver.id())
     }
 
-    /// Waits for the answer to what was asked.
+    /// Waits for the answer to a command.
     #[track_caller]
     pub(crate) fn ask<T, E: Display>(&self, what: impl Display, answered: impl Future<Output = Result<T, E>>) -> T {
         answer(&self.runtime, what, answered)
@@ -100,10 +100,10 @@ fn answer<T, E: Display>(runtime: &Runtime, what: impl Display, answered: impl F
 
 impl Drop for Browser {
     fn drop(&mut self) {
-        // chromedriver ends the browser: killed before, it would leave it behind.
+        // chromedriver ends the browser: if chromedriver were killed before, the browser would stay.
         let closed = self.client.clone().close();
         if std::thread::panicking() {
-            // What was asked last may never be answered, and a second panic would hide the first.
+            // The last command may never be answered, and a second panic would hide the first.
             let _ = self.runtime.block_on(async { timeout(AFTER_FAILURE, closed).await });
         } else {
             self.ask("the end of the session", closed);

@@ -1,4 +1,4 @@
-//! The commands that only Chromium has.
+//! Commands that only Chromium has.
 
 use crate::browser::Browser;
 use fantoccini::wd::WebDriverCompatibleCommand;
@@ -6,7 +6,7 @@ use http::Method;
 use serde_json::{Value, json};
 use url::{ParseError, Url};
 
-/// A command of chromedriver that the standard does not know.
+/// A command of chromedriver outside the standard.
 #[derive(Debug)]
 struct OwnCommand {
     path: &'static str,
@@ -30,7 +30,7 @@ impl Browser {
         self.own("goog/cdp/execute", json!({ "cmd": name, "params": parameters }))
     }
 
-    /// What was written to a log since it was asked for last.
+    /// The lines of a log since the last call.
     #[track_caller]
     pub(crate) fn log(&self, kind: &str) -> Value {
         self.own("se/log", json!({ "type": kind }))

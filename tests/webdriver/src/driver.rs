@@ -3,14 +3,14 @@
 use std::io::{BufRead, BufReader};
 use std::process::{Child, Command, Stdio};
 
-/// A chromedriver of its own for each browser, so that tests beside each other know nothing of another.
+/// A chromedriver process; each browser has its own, so that simultaneous tests do not share anything.
 pub struct Driver {
     process: Child,
     port: u16,
 }
 
 impl Driver {
-    /// Starts it, on a port that is free.
+    /// Starts chromedriver on a free port.
     pub fn start() -> Self {
         let process = Command::new("chromedriver")
             .arg("--port=0")
@@ -18,13 +18,13 @@ impl Driver {
             .stderr(Stdio::null())
             .spawn()
             .expect("chromedriver: cargo xtask ci installs it");
-        // First of all, so that the process ends even if it tells no port.
+        // The struct is made first, so that the process ends even if it prints no port.
         let mut driver = Self { process, port: 0 };
         driver.port = port(&mut driver.process).expect("chromedriver tells its port");
         driver
     }
 
-    /// Where it listens.
+    /// The address at which chromedriver listens.
     pub fn address(&self) -> String {
         format!("http://127.0.0.1:{}", self.port)
     }
@@ -42,16 +42,16 @@ impl Drop for Driver {
     }
 }
 
-/// The port that chromedriver has chosen, which it tells.
+/// The port that chromedriver has chosen and prints.
 fn port(driver: &mut Child) -> Option<u16> {
     let mut lines = BufReader::new(driver.stdout.take()?).lines().map_while(Result::ok);
     let port = lines.by_ref().find_map(|line| told(&line));
-    // It may go on to speak.
+    // Its later lines must be read, or the process would block.
     std::thread::spawn(move || lines.for_each(drop));
     port
 }
 
-/// The port, if this line tells it.
+/// The port, if this line contains it.
 fn told(line: &str) -> Option<u16> {
     let port = line.split_once("on port ")?.1.trim_end_matches('.').parse().ok()?;
     line.contains("successfully").then_some(port)

@@ -1,4 +1,4 @@
-//! What a person does with mouse and keyboard, and in the frames of a page.
+//! Mouse and keyboard actions, and work in the frames of a page.
 
 use crate::browser::Browser;
 use fantoccini::Locator;
@@ -14,27 +14,28 @@ use std::time::Duration;
 const MOVE: Duration = Duration::from_millis(50);
 
 impl Browser {
-    /// Clicks on what a selector finds first, as a person does: it must be visible, and nothing may cover it.
+    /// Clicks on the first match of a selector, as a person does: it must be visible and not covered.
     #[track_caller]
     pub fn click(&self, selector: &str) {
         self.run(&format!("{}.scrollIntoView({{ block: 'center' }})", first(selector)));
         self.ask(format_args!("click {selector}"), self.find(selector).click());
     }
 
-    /// Types into what a selector finds first.
+    /// Types into the first match of a selector.
     #[track_caller]
     pub fn fill(&self, selector: &str, text: &str) {
         self.ask(format_args!("type {text:?} into {selector}"), self.find(selector).send_keys(text));
     }
 
-    /// Drags the mouse across an element, from one part of its width to another, once it is there.
+    /// Waits for an element, and drags the mouse across it, from one part of its width to another.
     #[track_caller]
     pub fn drag(&self, selector: &str, from: f64, to: f64, with_shift: bool) {
         let element = first(selector);
         self.wait(&element);
         self.run(&format!("{element}.scrollIntoView({{ block: 'center', behavior: 'instant' }})"));
         let width = self.number(&format!("return {element}.getBoundingClientRect().width"));
-        // From its middle: counted from the window's corner, a frame within the page would be somewhere else.
+        // The positions count from the middle of the element: a frame within the page has another origin than the
+        // window.
         let element = self.find(selector);
         let moved = |part: f64| PointerAction::MoveToElement {
             element: element.clone(),
@@ -42,7 +43,7 @@ impl Browser {
             x: (width * (part - 0.5)).trunc(),
             y: 0.0,
         };
-        // Both take a step at the same time: the key goes down before the button does, and up after it.
+        // Keyboard and mouse act in parallel steps: the key goes down before the button does, and up after it.
         let pause = Duration::ZERO;
         let mouse = MouseActions::new("mouse".to_owned())
             .then(moved(from))
@@ -61,7 +62,7 @@ impl Browser {
         self.ask(format_args!("drag {selector} from {from} to {to}"), self.client.perform_actions(actions));
     }
 
-    /// Presses a key in what a selector finds first.
+    /// Presses a key in the first match of a selector.
     #[track_caller]
     pub fn press(&self, selector: &str, key: &str) {
         let [value] = key.chars().collect::<Vec<_>>()[..] else { panic!("expected one key, found {key:?}") };
@@ -71,7 +72,7 @@ impl Browser {
         self.ask(format_args!("press {key:?} in {selector}"), self.client.perform_actions(keys));
     }
 
-    /// Does something in the frame that a selector finds first.
+    /// Acts in the frame that a selector matches first.
     #[track_caller]
     pub fn within(&self, selector: &str, act: impl FnOnce(&Self)) {
         self.ask(format_args!("enter the frame {selector}"), self.find(selector).enter_frame());
@@ -85,7 +86,7 @@ impl Browser {
     }
 }
 
-/// What a selector finds first, in JavaScript.
+/// A JavaScript expression for the first match of a selector.
 fn first(selector: &str) -> String {
     format!("document.querySelector({})", Value::from(selector))
 }

@@ -1,11 +1,11 @@
-//! Chromium, as the tests of the pages and `cargo xtask` use it: a window with one page, whose methods block until the
-//! browser has answered, and panic with what was asked and what came instead.
+//! Chromium for the tests of the pages and for `cargo xtask`: a window with one page. Its methods block until the
+//! browser has answered, and panic with the command and the unexpected answer.
 //!
-//! The protocol is that of `fantoccini`. What is of this crate: how chromedriver is started, what the browser is told not to
-//! do, the commands that only Chromium has, and the check that a page was quiet. All but addresses stands behind the feature
+//! `fantoccini` speaks the protocol. This crate adds the start of chromedriver, the options of the browser, the
+//! commands that only Chromium has, and the check that a page was quiet. All but addresses is behind the feature
 //! `client`.
 
-// Who calls this is a test, or a tool that can't go on without the browser.
+// The callers are tests, or tools that can't go on without the browser.
 #![cfg_attr(feature = "client", expect(clippy::expect_used, clippy::panic))]
 
 mod address;

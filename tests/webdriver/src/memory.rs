@@ -1,13 +1,13 @@
-//! The memory of the pages, as Linux tells it.
+//! The memory of the pages, as Linux reports it.
 
 use std::fs::{read_dir, read_to_string};
 use std::io;
 
-/// The largest private memory of a page among all pages below a process, in kB.
+/// The private memory in kB of the largest page among the descendants of a process.
 pub fn of_pages(ancestor: u32) -> io::Result<u64> {
     let mut most = 0;
     for process in descendants(ancestor)? {
-        // A process may end meanwhile.
+        // A process may end before its files are read.
         let file = |name: &str| read_to_string(format!("/proc/{process}/{name}"));
         let shows = file("cmdline").is_ok_and(|words| words.contains("--type=renderer"));
         let status = file("status").unwrap_or_default();
@@ -17,7 +17,7 @@ pub fn of_pages(ancestor: u32) -> io::Result<u64> {
     Ok(most)
 }
 
-/// A process's children, and theirs.
+/// The descendants of a process.
 fn descendants(ancestor: u32) -> io::Result<Vec<u32>> {
     let parent = |process: u32| {
         let status = read_to_string(format!("/proc/{process}/status")).ok()?;

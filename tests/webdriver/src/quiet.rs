@@ -1,10 +1,10 @@
-//! Whether a page kept to itself.
+//! Checks that a page has no errors and makes no requests.
 
 use crate::browser::Browser;
 use serde_json::{Value, json};
 
 impl Browser {
-    /// Nothing went wrong in the page, nothing was refused by its policy, and nothing but the page itself was asked for.
+    /// Checks that the page had no errors, that its policy refused nothing, and that it requested nothing but itself.
     #[track_caller]
     pub fn is_quiet(&self) {
         assert_eq!(self.log("browser"), json!([]), "the console");
@@ -17,7 +17,7 @@ impl Browser {
     }
 }
 
-/// What was asked for, by anything but the browser's own pages.
+/// All requests but those of the browser's own pages.
 #[track_caller]
 fn requests(log: &Value) -> Vec<String> {
     let entries = log.as_array().unwrap_or_else(|| panic!("expected a log, found {log}"));
@@ -34,7 +34,7 @@ fn text(value: &Value) -> &str {
     value.as_str().unwrap_or_else(|| panic!("expected a text, found {value}"))
 }
 
-/// Whether an address is that of something that stands in the page.
+/// Whether an address is of data within the page.
 fn is_within(url: &str) -> bool {
     url.starts_with("data:image/svg+xml") || url.starts_with("blob:")
 }

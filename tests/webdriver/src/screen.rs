@@ -1,19 +1,19 @@
-//! What the browser is asked to be.
+//! Settings of the browser.
 
 use fantoccini::wd::Capabilities;
 use serde_json::{Value, json};
 use std::path::Path;
 
-/// A window as large as a desk has, or a phone.
+/// The screen: that of a desk, or of a phone.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Screen {
     /// A window of 1280 by 900.
     Desk,
-    /// 390 by 800, each of four points of the screen, and touched.
+    /// A touch screen of 390 by 800 points, with two pixels per point in each direction.
     Phone,
 }
 
-/// What keeps the browser from doing anything but what the page does, and one picture like the next.
+/// Options that keep the browser from requests of its own, and make its pictures repeatable.
 const OPTIONS: [&str; 11] = [
     "--headless",
     "--no-sandbox",
@@ -28,7 +28,7 @@ const OPTIONS: [&str; 11] = [
     "--window-size=1280,900",
 ];
 
-/// What chromedriver is told of a new session: with all that the page says and asks for in the logs.
+/// The capabilities of a new session, with all messages and requests of the page in the logs.
 pub fn capabilities(screen: Screen, profile: &Path) -> Capabilities {
     let profile = format!("--user-data-dir={}", profile.display());
     let options: Vec<&str> = OPTIONS.into_iter().chain([profile.as_str()]).collect();

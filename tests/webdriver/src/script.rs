@@ -1,11 +1,11 @@
-//! JavaScript in the page, and waiting for what it says.
+//! JavaScript in the page, and waiting for its results.
 
 use crate::browser::Browser;
 use serde_json::Value;
 use std::time::{Duration, Instant};
 
 impl Browser {
-    /// Runs a function's body in the page, and gives what it returns.
+    /// Runs a function's body in the page, and returns its result.
     #[track_caller]
     pub fn run(&self, script: &str) -> Value {
         self.ask(script, self.client.execute(script, Vec::new()))
@@ -25,7 +25,7 @@ impl Browser {
         value.as_str().unwrap_or_else(|| panic!("{script}: {value}")).to_owned()
     }
 
-    /// Waits until an expression holds: what a page does next, it does soon.
+    /// Waits until an expression holds, for a time that suffices for reactions of the page.
     #[track_caller]
     pub fn wait(&self, expression: &str) {
         self.wait_for(expression, Duration::from_secs(20));

@@ -1,4 +1,4 @@
-// Elements. What comes out of files is only ever set as text.
+// Elements. Content of files is only ever set as text.
 
 /** An element with attributes, listeners (`on…`) and children; strings become text. */
 export function element(name, attributes = {}, ...children) {

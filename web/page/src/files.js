@@ -1,5 +1,6 @@
-// The captures as the decoder reads them: piece by piece, where they lie, and the next pieces while it works on one. The
-// memory of a piece is used again: what is left to be tidied up would soon be more than all the rest of the page.
+// The captures as the decoder reads them: piece by piece from the user's files, with the next pieces read ahead while
+// the decoder works on one. The buffers of pieces are reused: otherwise the garbage would soon exceed all other memory
+// of the page.
 
 const reader = new FileReaderSync();
 /** Pieces of one file; and the bytes of those of all files. */
@@ -94,7 +95,7 @@ class Chosen {
   constructor(file, number, length) {
     Object.assign(this, { file, number, length });
     this.#free = Array.from({ length: PIECES }, () => new ArrayBuffer(length));
-    // Where it can't be read ahead, the decoder reads at once, and finds out why.
+    // If reading ahead fails, the decoder reads the piece itself and gets the error.
     this.#fill().catch(() => {}).then(() => this.#end());
   }
 
@@ -176,7 +177,7 @@ const end = ({ from, bytes }) => from + bytes.length;
 async function filled(buffer, stream, left) {
   const most = Math.min(buffer.byteLength, left);
   for (let length = 0; ; ) {
-    // The buffer moves on with each part of it that is filled.
+    // Each read returns a new view of the buffer for the rest.
     const { value, done } = await stream.read(new Uint8Array(buffer, length, most - length));
     buffer = value.buffer;
     length += value.length;

@@ -1,4 +1,4 @@
-// The hashes of captures, worked out while another worker reads them: of the pieces that it has read.
+// Hashes captures while another worker reads them, from the pieces that this worker has read.
 import { Hasher } from "canvass-wasm";
 
 /** What is read at once of what the other has left out. */
@@ -18,7 +18,7 @@ export function hashFor(port, asked) {
     } else if (choice !== chosen.choice) return;
     else if (bytes) {
       const file = chosen.files[number];
-      // What is missing before it is read at the end, and all that follows with it.
+      // If earlier bytes are missing, they are read at the end, together with all bytes after them.
       if (file.at === from) take(file, bytes);
       port.postMessage({ choice, number, buffer: bytes.buffer }, [bytes.buffer]);
     } else {

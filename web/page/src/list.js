@@ -1,5 +1,5 @@
-// A list of millions of rows, of which only those in sight are elements. The libraries for that give the list its full
-// height, which browsers bound (17 to 33 million pixels): here a long list is scrolled in proportion.
+// A list of millions of rows, which has elements only for the visible ones. Libraries for this give the list its full
+// height, which browsers limit (17 to 33 million pixels): here a long list scrolls in proportion.
 
 import { element } from "./dom.js";
 
@@ -185,7 +185,7 @@ export class List {
     } finally {
       this.fetching = false;
     }
-    // At once, so that the next picture of the screen has them.
+    // The call draws at once, so that the next frame of the screen shows the rows.
     this.#draw();
   }
 }

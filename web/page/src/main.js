@@ -131,7 +131,7 @@ async function reopen() {
   performance.mark("canvass-open");
   const opening = ++openings;
   const summary = await run("open", "open", { captures: app.captures, options: app.options }, "Reading");
-  // Others were opened meanwhile, or the same in another way.
+  // Other files were opened meanwhile, or the same with other options.
   if (opening !== openings) return;
   if (!summary) return close(false);
   performance.measure("canvass-read", "canvass-open");
@@ -256,7 +256,7 @@ function hashBy(hasher) {
   const { port1, port2 } = new MessageChannel();
   hasher.call("hashFor", { port: port1 }, undefined, [port1]);
   app.engine.call("hashBy", { port: port2 }, undefined, [port2]);
-  // All workers have the same compiled code.
+  // All workers share the compiled code.
   hasher.call("warm").then(() => performance.mark("canvass-warm"), () => {});
 }
 
@@ -270,7 +270,7 @@ async function begin() {
   }
   reading();
   drops();
-  // Without it the engine does that, too.
+  // Without this worker the engine computes the hashes itself.
   app.engine.sibling(() => app.engine.call("hashBy")).then(hashBy, () => {});
   window.addEventListener("hashchange", () => show(state.get("view")));
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => views.forEach((view) => view.painted?.()));

@@ -1,4 +1,5 @@
-// What is shown, in the address behind the #: so a view can be kept and sent. Nothing of a capture is in it.
+// The state of the views, in the address after the #, so that a view can be stored and sent. The address contains no
+// data of a capture.
 
 const all = () => new URLSearchParams(location.hash.slice(1));
 

@@ -1,4 +1,4 @@
-// Words that are offered while one types: a combobox, as ARIA describes it.
+// Suggestions while the user types: a combobox, as ARIA describes it.
 import { element } from "./dom.js";
 
 let made = 0;

@@ -1,4 +1,4 @@
-// Keeps the page, so that it opens off line. It asks for nothing but the page's own files.
+// Caches the page, so that it opens off line. It requests only the page's own files.
 const KEPT = "canvass-VERSION";
 const FILES = ["./index.html", "./manifest.webmanifest"];
 

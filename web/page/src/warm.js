@@ -1,5 +1,5 @@
-// Before a capture is chosen, the decoder reads one that is made here: a browser compiles well only what has run for a
-// while, and then who drops a capture does not wait for that.
+// The decoder reads a generated capture before the user chooses one: a browser optimises only code that has run for a
+// while, and the user should not wait for that.
 import { Page } from "canvass-wasm";
 import { lend } from "./files.js";
 

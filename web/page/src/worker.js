@@ -1,4 +1,4 @@
-// All work is done here, off the page's thread: the captures are read where they lie, a piece at a time.
+// The worker does all work off the page's thread. It reads the captures from the user's files, a piece at a time.
 import { initSync, Page } from "canvass-wasm";
 import * as files from "./files.js";
 import { hashFor } from "./hashing.js";
@@ -51,7 +51,7 @@ async function job(kind, step, tell, ready = () => {}) {
     }
     const gone = () => latest.get(kind) !== own;
     await breathe();
-    // What is ready for others is not waited for.
+    // A job that another one has replaced does not wait for the files of the new one.
     if (!gone()) await ready();
     if (gone()) return { ...state, cancelled: true };
   }
@@ -128,9 +128,9 @@ const calls = {
   },
   cancel({ kind }) {
     latest.delete(kind);
-    // It may be waiting for its files.
+    // The decoder may be waiting for its files.
     if (kind === "open" && reading !== null) files.choose([]);
-    // Asked for again, it goes on where it was.
+    // A repeated request continues where the index was.
     if (kind === "index") indexed = null;
   },
   describe: ({ name, nodes, bytes }) => JSON.parse(page.addDescription(name, nodes, bytes)),
@@ -173,7 +173,7 @@ const calls = {
     const step = () => {
       const piece = page.exportOn(STEP);
       if (piece === undefined) return { more: false };
-      // A blob is not held in this memory.
+      // A blob is kept outside the memory of the worker.
       if (piece.length > 0) parts.push(new Blob([piece]));
       return { ...JSON.parse(page.exportProgress()), more: true };
     };

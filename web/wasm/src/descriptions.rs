@@ -1,4 +1,4 @@
-//! Device descriptions that the user has chosen.
+//! Device descriptions that the user has opened.
 
 use crate::provenance::used;
 use canvass_analyzer::dictionary::check::check;
@@ -10,25 +10,25 @@ use canvass_reports::provenance::FileUsed;
 use serde_json::{Value, json};
 use std::io;
 
-/// A description and the nodes that it is of.
+/// A description with its nodes.
 #[derive(Clone, Debug)]
 pub struct Described {
-    /// The file's name.
+    /// The name of the file.
     pub name: String,
-    /// The nodes, as they were written.
+    /// The nodes as the user typed them.
     pub nodes_text: String,
     /// The nodes.
     pub nodes: Vec<NodeId>,
-    /// What it says.
+    /// The content of the description.
     pub known: KnownDevice,
     bytes: Vec<u8>,
 }
 
 impl Described {
-    /// Reads one; without `nodes` it is of the node that it names itself, or of all.
+    /// Reads a description. Without `nodes` it is for the node that it names itself, or for all nodes.
     ///
     /// # Errors
-    /// In words, if it can't be used.
+    /// A text, if the description can't be used.
     pub fn read(name: &str, nodes: &str, bytes: &[u8]) -> Result<Self, String> {
         let description = DeviceDescription::read(bytes).map_err(|error| format!("{name}: {error}"))?;
         description.usable().map_err(|error| format!("{name}: {error}"))?;
@@ -43,7 +43,7 @@ impl Described {
         Ok(Self { name: name.to_owned(), nodes_text, nodes, known, bytes: bytes.to_owned() })
     }
 
-    /// What it is, in short.
+    /// A summary of the description.
     pub fn summary(&self) -> Value {
         let device = &self.known.description;
         let counts = self.checked().map(|file| Counts::of([&file]).to_string()).unwrap_or_default();
@@ -66,10 +66,10 @@ impl Described {
         Some(CheckedFile::new(&self.name, &check(&self.bytes, Some(&self.name)).ok()?, |_| true))
     }
 
-    /// The page of its dictionary.
+    /// The page of the description's dictionary.
     ///
     /// # Errors
-    /// None that happens: it is written to memory.
+    /// None in practice: the output goes to memory.
     pub fn page(&self) -> io::Result<Vec<u8>> {
         let node = self.nodes.first().copied().filter(|_| self.nodes.len() == 1);
         let description = self.known.description.clone();
@@ -78,7 +78,7 @@ impl Described {
         Ok(out)
     }
 
-    /// What is wrong in it, each with its place, and how it is fixed.
+    /// The findings in the description, each with its place and fix.
     pub fn findings(&self) -> Value {
         let Some(file) = self.checked() else { return Value::Null };
         json!(canvass_reports::descriptions::json::document(&[file]))

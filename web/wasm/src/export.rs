@@ -1,4 +1,4 @@
-//! What the program prints of captures, to be downloaded: read anew from the files, a piece at a time.
+//! The program's outputs for captures, as downloads: the files are read again, a piece at a time.
 
 use crate::descriptions::Described;
 use crate::file::ChosenFile;
@@ -17,19 +17,19 @@ use std::cell::RefCell;
 use std::io::{self, Cursor, Write};
 use std::rc::Rc;
 
-/// What is wanted.
+/// The requested export.
 #[derive(Clone, Debug, Default, serde::Deserialize)]
 #[serde(default)]
 pub struct Wish {
-    /// `decode`, `events`, `signals` or `convert`.
+    /// The kind of output: `decode`, `events`, `signals` or `convert`.
     pub what: String,
-    /// `text`, `table`, `json` or `csv`; of `convert` the id of a format.
+    /// The format: `text`, `table`, `json` or `csv`; for `convert` the id of a format.
     pub format: String,
-    /// Only what passes this filter.
+    /// A filter of frames; empty: all frames.
     pub filter: String,
-    /// Compressed by gzip; of `convert` only.
+    /// Whether to compress by gzip; for `convert` only.
     pub gzip: bool,
-    /// Of `signals`: a row in that distance, in nanoseconds.
+    /// Interval of rows in nanoseconds, for `signals`.
     pub every: Option<u64>,
 }
 
@@ -39,26 +39,26 @@ pub enum ExportError {
     /// A capture can't be opened.
     #[error(transparent)]
     Open(#[from] OpenError),
-    /// The filter is none.
+    /// The filter is wrong.
     #[error(transparent)]
     Filter(#[from] canvass_analyzer::filter::FilterError),
     /// The capture can't be written.
     #[error(transparent)]
     Write(#[from] WriteError),
-    /// No such export, or not in this format.
+    /// The kind of export is unknown, or not available in this format.
     #[error("no export: {what} as {format}")]
     Unknown {
-        /// What was to be exported.
+        /// The requested kind of export.
         what: String,
-        /// The format asked for.
+        /// The requested format.
         format: String,
     },
-    /// Something else.
+    /// Another error.
     #[error(transparent)]
     Io(#[from] io::Error),
 }
 
-/// An export under way.
+/// An export in progress.
 pub struct Export {
     input: Input,
     network: Network,
@@ -66,7 +66,7 @@ pub struct Export {
     form: Form,
     comment: String,
     last: Option<Timestamp>,
-    /// What is still to be written when all is read.
+    /// Whether all captures were read; the rest of the output may still have to be written.
     ended: bool,
 }
 
@@ -77,7 +77,7 @@ enum Form {
     Convert { format: Format, compression: Compression, recording: Option<Recording>, written: Written },
 }
 
-/// What a recording has written.
+/// The output that a recording has written.
 #[derive(Clone, Default)]
 struct Written(Rc<RefCell<Vec<u8>>>);
 
@@ -121,10 +121,10 @@ impl Form {
 }
 
 impl Export {
-    /// Begins.
+    /// Begins an export.
     ///
     /// # Errors
-    /// [`ExportError`].
+    /// [`ExportError`] if a capture can't be opened, or the filter or format is wrong.
     pub fn begin(
         files: &[ChosenFile],
         options: &InputOptions,
@@ -147,7 +147,7 @@ impl Export {
     /// Reads the next `records` records, and appends the exported frames to `out`; `false` when everything is written.
     ///
     /// # Errors
-    /// [`ExportError`].
+    /// [`ExportError`] if the output can't be written.
     pub fn step(&mut self, records: usize, out: &mut Vec<u8>) -> Result<bool, ExportError> {
         if self.ended {
             return Ok(self.rest(out)?);
@@ -212,7 +212,7 @@ impl Export {
                 let meaning = Meaning::new(record, decoded, bus);
                 sampler.frame(record, channels, decoded, &meaning, sheet.as_mut(), out)?;
             }
-            // A frame that contradicts itself would become a good one.
+            // A salvaged frame contradicts itself; in the output it would look like a good frame.
             Form::Convert { .. } if !whole => {}
             Form::Convert { format, compression, recording, written } => {
                 let options = WriteOptions { time_base: self.input.merge().time_base(), ..WriteOptions::default() };
@@ -228,13 +228,13 @@ impl Export {
         Ok(())
     }
 
-    /// All was read.
+    /// Ends the export after the last record.
     fn end(&mut self, out: &mut Vec<u8>) -> Result<(), ExportError> {
         match &mut self.form {
             Form::Lines(lines, false) => lines.begin(out),
             Form::Lines(..) => {}
             Form::Events(events) => {
-                // A filter chooses frames, and here is none.
+                // A filter selects frames; an event at the end of the capture belongs to no frame.
                 if let (Some(last), None) = (self.last, &self.filter) {
                     open_transfers(&self.input, &self.network, last, events.as_mut(), out);
                 }
@@ -250,7 +250,7 @@ impl Export {
         Ok(())
     }
 
-    /// What had to wait for the end.
+    /// Writes the rest of the output, which needs the end of the captures.
     fn rest(&mut self, out: &mut Vec<u8>) -> io::Result<bool> {
         match &mut self.form {
             Form::Signals(sampler, sheet) => sheet.finish(sampler.columns(), out),

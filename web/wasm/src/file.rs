@@ -1,4 +1,4 @@
-//! Files that the user has chosen: read a piece at a time, never held.
+//! Files that the user has opened: read a piece at a time, never held in memory.
 
 use crate::host;
 use canvass_reports::provenance::FileUsed;
@@ -7,42 +7,42 @@ use std::io::{self, Read};
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// A file as the page knows it.
+/// A file that the user has opened.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct ChosenFile {
-    /// The page's number for it.
+    /// The page's number of the file.
     pub number: u32,
-    /// Its name.
+    /// The name of the file.
     pub name: String,
-    /// In bytes.
+    /// The length in bytes.
     pub length: u64,
 }
 
-/// Reads it from its begin to its end.
+/// Reads a file from beginning to end.
 pub struct FileReader {
     file: ChosenFile,
     at: u64,
     seen: Seen,
 }
 
-/// What was read of a file so far.
+/// The part of a file that was read so far.
 #[derive(Clone, Default)]
 pub struct Seen(Arc<SeenState>);
 
 #[derive(Default)]
 struct SeenState {
     bytes: AtomicU64,
-    /// Of these bytes, where it is wanted.
+    /// The hash of the bytes read, if requested.
     hash: Option<Mutex<Sha256>>,
 }
 
 impl Seen {
-    /// With the hash of what was read.
+    /// With the hash of the bytes read.
     pub fn hashed() -> Self {
         Self(Arc::new(SeenState { hash: Some(Mutex::default()), ..SeenState::default() }))
     }
 
-    /// How many bytes.
+    /// Number of bytes read.
     pub fn bytes(&self) -> u64 {
         self.0.bytes.load(Ordering::Relaxed)
     }
@@ -60,13 +60,13 @@ impl Seen {
     }
 }
 
-/// A hash as reports tell it.
+/// A hash in the notation of reports.
 pub fn hexadecimal(hash: &[u8]) -> String {
     hash.iter().map(|byte| format!("{byte:02x}")).collect()
 }
 
 impl FileReader {
-    /// At its begin.
+    /// A reader at the beginning of the file.
     pub const fn new(file: ChosenFile, seen: Seen) -> Self {
         Self { file, at: 0, seen }
     }
@@ -85,7 +85,7 @@ impl Read for FileReader {
 }
 
 impl ChosenFile {
-    /// The file with its hash, where that was wanted. What a reader has left unread is read for that.
+    /// The file with its hash, if that was requested. For the hash, the unread rest of the file is read.
     pub fn used(&self, role: &'static str, seen: &Seen) -> FileUsed {
         if seen.0.hash.is_none() {
             return FileUsed { role, path: self.name.clone(), content: None };

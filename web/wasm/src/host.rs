@@ -1,4 +1,4 @@
-//! What the page does for the libraries.
+//! Functions of the page for the libraries.
 
 use std::io;
 
@@ -8,7 +8,7 @@ mod page {
 
     #[wasm_bindgen]
     extern "C" {
-        /// Puts bytes of a file into `buffer`, from the offset `at` on; returns how many.
+        /// Reads bytes of a file into `buffer`, from the offset `at` on; returns their number.
         #[wasm_bindgen(js_namespace = canvassHost, catch)]
         pub(super) fn read(file: u32, at: f64, buffer: &mut [u8]) -> Result<u32, JsValue>;
 
@@ -16,11 +16,11 @@ mod page {
         #[wasm_bindgen(js_namespace = canvassHost)]
         pub(super) fn progress(done: f64, all: f64, what: &str);
 
-        /// The milliseconds that have gone by since some time.
+        /// The milliseconds since a fixed time.
         #[wasm_bindgen(js_namespace = canvassHost)]
         pub(super) fn now() -> f64;
 
-        /// Tells the page what made the program stop.
+        /// Reports to the page why the program stopped.
         #[wasm_bindgen(js_namespace = canvassHost)]
         pub(super) fn stopped(why: &str);
     }
@@ -29,7 +29,7 @@ mod page {
 /// Reads from a file of the page.
 ///
 /// # Errors
-/// If the file is gone, or was changed since it was chosen.
+/// If the file is gone, or has changed since it was opened.
 #[cfg(target_family = "wasm")]
 pub fn read(file: u32, at: u64, buffer: &mut [u8]) -> io::Result<usize> {
     // No file has 2^53 bytes.
@@ -38,7 +38,7 @@ pub fn read(file: u32, at: u64, buffer: &mut [u8]) -> io::Result<usize> {
     read.map(|read| (read as usize).min(buffer.len())).map_err(failed)
 }
 
-/// There is no page.
+/// Without a page there is no file to read.
 ///
 /// # Errors
 /// Always.
@@ -47,7 +47,7 @@ pub fn read(_: u32, _: u64, _: &mut [u8]) -> io::Result<usize> {
     Err(io::ErrorKind::Unsupported.into())
 }
 
-/// Tells the page how far it is.
+/// Reports the progress to the page.
 pub fn progress(done: usize, all: usize, what: &str) {
     #[cfg(target_family = "wasm")]
     page::progress(done as f64, all as f64, what);
@@ -55,7 +55,7 @@ pub fn progress(done: usize, all: usize, what: &str) {
     let _ = (done, all, what);
 }
 
-/// The milliseconds that have gone by since some time; where there is no page, none ever do.
+/// The milliseconds since a fixed time; always 0 without a page.
 pub fn now() -> f64 {
     #[cfg(target_family = "wasm")]
     return page::now();
@@ -63,7 +63,7 @@ pub fn now() -> f64 {
     0.0
 }
 
-/// From now on the page is told why the program stopped, should it ever.
+/// Reports a panic to the page from now on.
 pub fn tell_why_it_stops() {
     #[cfg(target_family = "wasm")]
     std::panic::set_hook(Box::new(|why| page::stopped(&why.to_string())));

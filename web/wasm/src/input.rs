@@ -1,4 +1,4 @@
-//! The captures of a page as one, with what could not be read in them.
+//! The captures of a page, merged, with their damage.
 
 use crate::file::{ChosenFile, FileReader, Seen};
 use canvass_reports::quality::CaptureQuality;
@@ -6,33 +6,33 @@ use canvass_traces::{
     Capture, Damage, DamageKind, Format, Merge, Naming, OpenError, Quality, ReadOptions, Record, Source,
 };
 
-/// How captures are read.
+/// Options for reading captures.
 #[derive(Clone, Debug, Default, serde::Deserialize)]
 #[serde(default)]
 pub struct InputOptions {
-    /// The id of their format, where it is not recognised.
+    /// The id of the captures' format; `None`: recognised by the content.
     pub format: Option<String>,
-    /// Equal names of channels are one channel.
+    /// Whether equal names of channels mean the same channel.
     pub same_bus: bool,
 }
 
-/// Captures that are being read.
+/// Captures being read.
 pub struct Input {
     merge: Merge,
     quality: Vec<Quality>,
     files: Vec<(ChosenFile, Seen)>,
-    /// How many damages there were.
+    /// Number of damages so far.
     damages: u64,
     told: Vec<String>,
 }
 
-/// What came out.
+/// The next item of the captures.
 pub enum Next {
     /// A record.
     Record(Record),
-    /// What makes sense of a frame that contradicts itself.
+    /// A record salvaged from a frame that contradicts itself.
     Salvaged(Record),
-    /// Something that can't be read.
+    /// Damage: frames may be missing here.
     Damage,
 }
 
@@ -40,10 +40,10 @@ impl Input {
     /// Maximum number of damages that are reported one by one.
     const TOLD: usize = 100;
 
-    /// Opens them all.
+    /// Opens all captures.
     ///
     /// # Errors
-    /// [`OpenError`] of the first that can't be opened.
+    /// [`OpenError`] of the first capture that can't be opened.
     pub fn open(files: &[ChosenFile], options: &InputOptions, hashed: bool) -> Result<Self, OpenError> {
         let format = options.format.as_deref().and_then(Format::by_id);
         let read_options = ReadOptions { format, topics: Vec::new() };
@@ -59,7 +59,7 @@ impl Input {
         Ok(Self { merge: Merge::new(captures, naming), quality, files, damages: 0, told: Vec::new() })
     }
 
-    /// What comes next.
+    /// The next item; `None` at the end.
     #[inline]
     pub fn advance(&mut self) -> Option<Next> {
         let (source, item) = self.merge.next()?;
@@ -88,33 +88,33 @@ impl Input {
         damage.salvaged.map_or(Next::Damage, |record| Next::Salvaged(*record))
     }
 
-    /// How many things could not be read so far, frames that a recorder lost included.
+    /// Number of damages so far, including frames that a recorder lost.
     pub const fn damages(&self) -> u64 {
         self.damages
     }
 
-    /// The first of them, in words.
+    /// The first damages as text.
     pub fn told(&self) -> &[String] {
         &self.told
     }
 
-    /// The captures as one.
+    /// The merged captures.
     pub const fn merge(&self) -> &Merge {
         &self.merge
     }
 
-    /// How many bytes of the files were read.
+    /// Number of bytes read of all files.
     pub fn read(&self) -> u64 {
         self.files.iter().map(|(_, seen)| seen.bytes()).sum()
     }
 
-    /// The captures and how far each can be trusted.
+    /// The captures with their quality.
     pub fn captures(&self) -> Vec<CaptureQuality<'_>> {
         let captures = self.merge.sources().zip(&self.quality);
         captures.map(|(capture, quality)| CaptureQuality::new(capture, quality)).collect()
     }
 
-    /// The files and what was read of them.
+    /// The files, with the part that was read of each.
     pub fn files(&self) -> &[(ChosenFile, Seen)] {
         &self.files
     }

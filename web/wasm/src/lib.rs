@@ -1,7 +1,7 @@
-//! The libraries of canvass, as a page in a browser calls them.
+//! The libraries of canvass, for a page in a browser.
 //!
-//! All work is done in steps, so that the page's worker can answer between them: [`Page`](api::Page) is what it sees.
-//! Files are read where they lie, a piece at a time, by a function of the page.
+//! All work is done in steps, so that the page's worker can answer between them; the worker uses only
+//! [`Page`](api::Page). A function of the page reads the user's files, a piece at a time.
 
 #![warn(clippy::disallowed_methods)]
 

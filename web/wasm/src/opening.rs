@@ -1,4 +1,4 @@
-//! Captures as they are opened: read once, for the diagnosis and the trace.
+//! Opening of captures: reads them once, for the diagnosis and the trace.
 
 use crate::descriptions::Described;
 use crate::file::ChosenFile;
@@ -14,14 +14,14 @@ use canvass_reports::provenance::Provenance;
 use canvass_traces::{ChannelId, OpenError, Record};
 use std::io;
 
-/// The table is that of the program, to the byte, which has these options.
+/// The options that the table names. They are those of the program, so that both tables have the same bytes.
 const ADVICE: Advice = Advice {
     findings: ": --verbose shows all, and the page (--format html)",
     rows: ": --verbose shows all",
     bit_rate: " (see --bit-rate)",
 };
 
-/// Captures that are being read.
+/// Captures being opened.
 pub struct Opening {
     input: Input,
     reading: Reading,
@@ -29,13 +29,13 @@ pub struct Opening {
     damages: u64,
 }
 
-/// What has come of them.
+/// The opened captures.
 pub struct Opened {
     /// The captures, read to their end.
     pub input: Input,
     /// All frames.
     pub store: Store,
-    /// What is worked out of them when the diagnosis stands.
+    /// The index, which is made after the diagnosis.
     pub indexing: Indexing,
     results: Results,
     collector: Option<Collector>,
@@ -43,10 +43,10 @@ pub struct Opened {
 }
 
 impl Opening {
-    /// Begins to read them; with the hashes of the files, or without.
+    /// Begins to read the captures; with `hashes`, computes the hashes of the files.
     ///
     /// # Errors
-    /// [`OpenError`] of the first that can't be opened.
+    /// [`OpenError`] of the first capture that can't be opened.
     pub fn begin(
         files: &[ChosenFile],
         options: &InputOptions,
@@ -81,7 +81,7 @@ impl Opening {
         Ok(true)
     }
 
-    /// A frame that contradicts itself proves nothing, but is shown.
+    /// Adds a record. A frame that contradicts itself is shown, but is no evidence.
     #[inline]
     fn take(&mut self, mut record: Record, proves: bool) -> io::Result<()> {
         self.store.push(&record);
@@ -102,12 +102,12 @@ impl Opening {
         &self.input
     }
 
-    /// How many frames there were so far.
+    /// Number of frames so far.
     pub const fn frames(&self) -> u64 {
         self.store.len() as u64 + self.store.left_out()
     }
 
-    /// What was found.
+    /// Ends the opening: makes the diagnosis.
     ///
     /// # Errors
     /// As [`Opening::step`].
@@ -125,16 +125,16 @@ impl Opening {
     }
 }
 
-/// Memory of a page grows in steps of 64 KiB, each of which costs as much as a large one: what will be needed is made in
-/// one. It is not touched, so that no more of it is used than is written.
+/// Requests the needed memory at once. Memory of a page grows in steps of 64 KiB, each of which costs as much as a
+/// large one. The memory is not touched, so that the page uses no more than is written.
 fn make_room(bytes: u64) {
     let mut room: Vec<u8> = Vec::new();
-    // Where there is not so much, it is found step by step as far as there is.
+    // If the memory is not available at once, it is allocated step by step as far as possible.
     let _ = room.try_reserve_exact(usize::try_from(bytes).unwrap_or(0));
     std::hint::black_box(&mut room);
 }
 
-/// A network that knows the devices described.
+/// A network with the described devices.
 pub fn network(described: &[Described]) -> Network {
     let mut network = Network::new();
     network.offer(Model::candidates());
@@ -145,7 +145,7 @@ pub fn network(described: &[Described]) -> Network {
 }
 
 impl Opened {
-    /// The diagnosis in that form: `html` (once), `table`, `json`, `markdown` or `junit`.
+    /// The diagnosis in this form: `html` (once), `table`, `json`, `markdown` or `junit`.
     ///
     /// # Errors
     /// If there is no such form.
@@ -171,7 +171,7 @@ impl Opened {
         Ok(out)
     }
 
-    /// Says the hashes of the captures, which somebody else has worked out; none of one that can't be read.
+    /// Sets the hashes of the captures, which another worker has computed; `None` for an unreadable one.
     pub fn hashed(&mut self, hashes: &[Option<String>]) {
         let captures = self.provenance.files.iter_mut().filter(|file| file.role == "capture");
         for ((used, (file, _)), hash) in captures.zip(self.input.files()).zip(hashes) {
@@ -179,12 +179,12 @@ impl Opened {
         }
     }
 
-    /// A channel's name.
+    /// The name of a channel.
     pub fn channel(&self, channel: ChannelId) -> &str {
         self.input.merge().channels().name(channel)
     }
 
-    /// How many errors, warnings and notes were found.
+    /// Number of errors, warnings and notes.
     pub fn counts(&self) -> [usize; 3] {
         use canvass_analyzer::findings::Severity::{Error, Info, Warning};
         let count = |wanted| self.results.findings.iter().filter(|finding| finding.severity == wanted).count();

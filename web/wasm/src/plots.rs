@@ -1,4 +1,4 @@
-//! The values of PDOs over time, to be drawn.
+//! Values of PDOs over time, for drawing.
 
 use crate::trace::store::{Store, Walk};
 use canvass_analyzer::Meaning;
@@ -9,14 +9,14 @@ use serde_json::{Value, json};
 use std::io;
 use std::ops::ControlFlow;
 
-/// Values that are gathered, and those that were.
+/// The collected values, and the state of collecting.
 pub struct Plots {
     walk: Option<Walk>,
     sampler: Sampler,
     series: AllSeries,
 }
 
-/// Each column's values.
+/// The values of all columns.
 struct AllSeries {
     start: Timestamp,
     all: Vec<Series>,
@@ -64,17 +64,17 @@ impl Plots {
     /// Maximum number of values in all columns together.
     const MOST: usize = 4_000_000;
 
-    /// Nothing is gathered yet.
+    /// Begins the collection, without values.
     pub fn new(store: &Store) -> Self {
         let start = store.start().unwrap_or_default();
         let series = AllSeries { start, all: Vec::new(), points: 0, thinned: 1 };
         Self { walk: store.walk(0), sampler: Sampler::new(None), series }
     }
 
-    /// Looks at the next records; `false` at the end.
+    /// Collects values from the next records; `false` at the end.
     ///
     /// # Errors
-    /// None that happens: nothing is written.
+    /// None in practice: nothing is written.
     pub fn step(&mut self, store: &Store, records: usize, channels: &Channels) -> io::Result<bool> {
         let Some(walk) = &mut self.walk else { return Ok(false) };
         let (sampler, series) = (&mut self.sampler, &mut self.series);
@@ -88,12 +88,12 @@ impl Plots {
         went.map(|()| walk.row() < store.len())
     }
 
-    /// How many records were looked at.
+    /// Number of examined records.
     pub fn looked_at(&self) -> usize {
         self.walk.as_ref().map_or(0, Walk::row)
     }
 
-    /// What there is to draw.
+    /// The columns that can be drawn.
     pub fn columns(&self) -> Value {
         let columns = self.sampler.columns().iter().zip(&self.series.all).map(|(column, series)| {
             json!({
@@ -107,11 +107,12 @@ impl Plots {
         json!({ "columns": columns.collect::<Vec<_>>(), "leftOut": self.sampler.columns().left_out, "thinned": self.series.thinned })
     }
 
-    /// Times and values of a column between two times, one after the other; of each of `parts` equal spans no more than
-    /// the least and the greatest. The value before and the one after are there too, so that lines go on.
+    /// Times and values of a column between two times, alternating. Each of `parts` equal spans has at most its least
+    /// and its greatest value. The value before the first time and the one after the last are included, so that lines
+    /// continue at both ends.
     pub fn points(&self, column: usize, from: f64, to: f64, parts: usize) -> Vec<f64> {
         let Some(Series(points)) = self.series.all.get(column) else { return Vec::new() };
-        // Where a clock stepped back, lines do too.
+        // If the clock of the capture stepped back, the line does, too.
         let first = points.iter().position(|point| point.0 >= from).unwrap_or(points.len()).saturating_sub(1);
         let last = points.iter().rposition(|point| point.0 <= to).map_or(0, |at| at + 2).min(points.len());
         let shown = points.get(first..last).unwrap_or_default();

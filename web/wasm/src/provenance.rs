@@ -1,10 +1,10 @@
-//! Where a result of the page comes from, as the program would say it of the same files.
+//! The provenance of a result of the page, in the form of the program for the same files.
 
 use crate::file::hexadecimal;
 use canvass_reports::provenance::{Choice, ChosenBy, Date, FileUsed, Host, Provenance};
 use sha2::{Digest, Sha256};
 
-/// What the page knows of its surroundings.
+/// The surroundings of the page: host, system, date and zone.
 #[derive(Clone, Debug, Default, serde::Deserialize)]
 #[serde(default)]
 pub struct Surroundings {
@@ -15,7 +15,7 @@ pub struct Surroundings {
 }
 
 impl Surroundings {
-    /// The provenance of a diagnosis, where files of these names describe devices, as `NODES=FILE`.
+    /// The provenance of a diagnosis, with the files that describe devices, as `NODES=FILE`.
     pub fn of_diagnosis(&self, devices: Vec<String>, format: Option<&str>, same_bus: bool) -> Provenance {
         let options = vec![
             usual("fail-on", ["error"]),
@@ -37,7 +37,7 @@ impl Surroundings {
         Provenance { options: vec![flag("allow-missing", false), given("earlier", [])], ..self.provenance() }
     }
 
-    /// When and where.
+    /// A provenance with only date and host.
     pub fn provenance(&self) -> Provenance {
         let date = Date { rfc3339: self.date.clone(), zone: self.zone.clone() };
         let host = Host { name: self.host.clone(), system: self.system.clone() };
@@ -45,7 +45,7 @@ impl Surroundings {
     }
 }
 
-/// An option that stands at its default.
+/// An option with its default.
 pub fn usual<T: Into<String>>(name: &str, value: impl IntoIterator<Item = T>) -> Choice {
     let value: Vec<String> = value.into_iter().map(Into::into).collect();
     Choice { name: name.to_owned(), default: value.clone(), value, by: ChosenBy::Default }
@@ -58,7 +58,7 @@ pub fn given(name: &str, value: impl IntoIterator<Item = String>) -> Choice {
     Choice { name: name.to_owned(), value, default: Vec::new(), by }
 }
 
-/// An option that is given or not.
+/// An option without value, set or not.
 pub fn flag(name: &str, set: bool) -> Choice {
     match set {
         true => Choice { value: vec!["yes".to_owned()], by: ChosenBy::CommandLine, ..usual(name, ["no"]) },
@@ -66,7 +66,7 @@ pub fn flag(name: &str, set: bool) -> Choice {
     }
 }
 
-/// A file that was read as a whole.
+/// A file that was read completely.
 pub fn used(role: &'static str, name: &str, bytes: &[u8]) -> FileUsed {
     let content = Some((bytes.len() as u64, hexadecimal(&Sha256::digest(bytes))));
     FileUsed { role, path: name.to_owned(), content }

@@ -1,4 +1,4 @@
-//! Results of `canvass test`, as their pages: two compared, many as a history.
+//! Pages of results of `canvass test`: a comparison of two, a history of many.
 
 use crate::provenance::{Surroundings, used};
 use canvass_reports::comparison::{Missing, compare};
@@ -6,18 +6,18 @@ use canvass_reports::document::{Form, Report as _};
 use canvass_reports::history::{History, Release};
 use canvass_reports::results::{self, TestResult};
 
-/// A result as it was chosen.
+/// A result that the user has opened.
 pub struct ChosenResult {
-    /// The file's name.
+    /// The name of the file.
     pub name: String,
-    /// What it holds.
+    /// The content of the file.
     pub bytes: Vec<u8>,
 }
 
-/// The page that tells what changed from an older result to a newer one.
+/// The page of the changes from an older result to a newer one.
 ///
 /// # Errors
-/// In words, if one is no result of `canvass test`.
+/// A text, if one of the files is no result of `canvass test`.
 pub fn comparison(old: &ChosenResult, new: &ChosenResult, surroundings: &Surroundings) -> Result<Vec<u8>, String> {
     let (older, newer) = (old.read()?, new.read()?);
     let mut comparison = compare(&older, &newer, Missing::default());

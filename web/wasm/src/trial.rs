@@ -1,4 +1,4 @@
-//! Simulated devices in the page: the cases and the fuzzer, to be tried without hardware. All of it in virtual time.
+//! Simulated devices in the page: cases and fuzzer without hardware, all in virtual time.
 
 use crate::host;
 use crate::provenance::{Surroundings, flag, given, usual};
@@ -29,36 +29,36 @@ use std::io::{self, Write};
 use std::rc::Rc;
 use std::sync::atomic::AtomicBool;
 
-/// What is to be tried.
+/// The requested trial.
 #[derive(Clone, Debug, Default, serde::Deserialize)]
 #[serde(default)]
 pub struct Wish {
     /// The simulated bus, such as `sim:kuebler-sendix-58x8+boot-up-twice`.
     pub bus: String,
-    /// Of the cases: selectors, with commas between them; nothing: all.
+    /// Selectors of cases, separated by commas; empty: all cases.
     pub select: String,
-    /// Everything may be done, also to what a device keeps.
+    /// Whether all permissions are given, including changes of non-volatile memory.
     pub allow: bool,
-    /// Of the fuzzer: services, with commas between them; nothing: all.
+    /// The services to fuzz, separated by commas; empty: all services.
     pub target: String,
-    /// Of the fuzzer: for how long, in seconds.
+    /// Time limit of the fuzzer in seconds.
     pub seconds: f64,
-    /// Of the fuzzer, where it has no time: how many sequences.
+    /// Number of sequences of the fuzzer, if there is no time limit.
     pub sequences: u64,
-    /// What chance begins with.
+    /// The seed of random choices.
     pub seed: u64,
 }
 
-/// What has come of it.
+/// The result of a trial.
 #[derive(Debug)]
 pub struct Tried {
-    /// The page.
+    /// The HTML page.
     pub html: Vec<u8>,
-    /// The result for programs.
+    /// The JSON result.
     pub json: Vec<u8>,
 }
 
-/// What there is to be tried: models and faults.
+/// The models and faults that can be tried.
 pub fn choices() -> Value {
     let models = Model::all().iter().map(|model| json!({ "id": model.id(), "summary": model.summary() }));
     let faults =
@@ -68,7 +68,7 @@ pub fn choices() -> Value {
     json!({ "models": models.collect::<Vec<_>>(), "faults": faults.collect::<Vec<_>>(), "families": families })
 }
 
-/// What a report writes, while its reporter holds the other end.
+/// The output of a report, shared with its reporter.
 #[derive(Clone, Default)]
 struct Kept(Rc<RefCell<Vec<u8>>>);
 
@@ -90,18 +90,18 @@ fn touches(wish: &Wish) -> std::collections::BTreeSet<Touch> {
     if wish.allow { Touch::ALL.iter().copied().collect() } else { Default::default() }
 }
 
-/// What is known of a run before the device is touched.
+/// The provenance, as far as it is known before the run.
 fn provenance(wish: &Wish, surroundings: &Surroundings, bit_rate: Option<u32>, options: Vec<Choice>) -> Provenance {
     let bus = BusUsed { address: wish.bus.clone(), adapter: "simulated".to_owned(), bit_rate };
     Provenance { bus: Some(bus), seed: Some(wish.seed), host: None, options, ..surroundings.provenance() }
 }
 
-/// The words between commas.
+/// The words of a list separated by commas.
 fn words_of(text: &str) -> impl Iterator<Item = String> {
     text.split(',').map(str::trim).filter(|word| !word.is_empty()).map(str::to_owned)
 }
 
-/// The options of `canvass test` that does the same.
+/// The options of an equivalent `canvass test`.
 fn options_of_test(wish: &Wish, target: &Target) -> Vec<Choice> {
     let timing = Timing::default();
     let spans = [
@@ -111,7 +111,7 @@ fn options_of_test(wish: &Wish, target: &Target) -> Vec<Choice> {
         ("silence", timing.silence),
     ];
     let mut timeouts: Vec<_> = spans.iter().map(|(what, span)| format!("{what}={}", span_text(*span))).collect();
-    // Who connects to a port is waited for, and an adapter that is gone; here there is neither.
+    // The defaults of the program for a client and for an interrupted adapter; a simulated bus has neither.
     timeouts.extend(["client=10s".to_owned(), "reconnect=120s".to_owned()]);
     vec![
         usual("node", [target.node.to_string()]),
@@ -137,7 +137,7 @@ fn options_of_test(wish: &Wish, target: &Target) -> Vec<Choice> {
     ]
 }
 
-/// As `--timeout` takes it.
+/// A span in the notation of `--timeout`.
 fn span_text(span: Duration) -> String {
     match span.nanos() / 1_000_000 {
         millis if millis % 1_000 == 0 => format!("{}s", millis / 1_000),
@@ -149,7 +149,7 @@ fn allowed(wish: &Wish) -> Choice {
     given("allow", wish.allow.then(|| "all".to_owned()))
 }
 
-/// The options of `canvass fuzz` that does the same, in as many sequences.
+/// The options of an equivalent `canvass fuzz` with this number of sequences.
 fn options_of_fuzz(wish: &Wish, plan: &FuzzPlan, knowledge: &Knowledge, model: &Model, sequences: u64) -> Vec<Choice> {
     let all = Targets::default().to_string();
     let target = match &*wish.target {
@@ -172,7 +172,7 @@ fn options_of_fuzz(wish: &Wish, plan: &FuzzPlan, knowledge: &Knowledge, model: &
     ]
 }
 
-/// The one device that an address names: no file, no live bus.
+/// The single simulated device of an address; files and live buses are refused.
 fn device(address: &str) -> Result<SimulatedDevice, String> {
     match address.parse::<BusAddress>().map_err(words)? {
         BusAddress::Simulated(devices) => match <[SimulatedDevice; 1]>::try_from(devices) {
@@ -186,7 +186,7 @@ fn device(address: &str) -> Result<SimulatedDevice, String> {
 /// Runs the cases.
 ///
 /// # Errors
-/// In words, if the device or the cases are none, or nothing could be run.
+/// A text, if the device or a selector is unknown, or nothing could be run.
 pub fn test(wish: &Wish, surroundings: &Surroundings) -> Result<Tried, String> {
     device(&wish.bus)?;
     let selectors = words_of(&wish.select).map(|one| one.parse());
@@ -199,7 +199,7 @@ pub fn test(wish: &Wish, surroundings: &Surroundings) -> Result<Tried, String> {
     let plan = Plan { cases: &cases, bus: &wish.bus, bit_rate: opened.bus.bit_rate(), seed: wish.seed };
     let kept: [Kept; 2] = Default::default();
     let forms = [Form::Html, Form::Json];
-    // The command that does the same is what permits more.
+    // The report advises the command line of the program, not options of the page.
     let report = |(kept, form): (&Kept, Form)| RunReport::new(kept.clone(), form).allowed_by("--allow ");
     let mut reports: Vec<_> = kept.iter().zip(forms).map(report).collect();
     let mut decoder = Decoder::new(&target);
@@ -212,7 +212,7 @@ pub fn test(wish: &Wish, surroundings: &Surroundings) -> Result<Tried, String> {
             RunEvent::RunFinished(_) => reports.iter_mut().for_each(|report| report.comes_from(&provenance)),
             _ => {}
         }
-        // What is kept in memory can be written.
+        // Writing to memory can't fail.
         reports.iter_mut().for_each(|report| drop(report.event(event)));
     });
     ran.map_err(words)?;
@@ -233,10 +233,10 @@ fn target(opened: &Opened) -> Result<Target, String> {
     Ok(Target { deviations, described_alone, ..Target::known(node, model.id().to_owned(), device) })
 }
 
-/// Fuzzes.
+/// Fuzzes the device.
 ///
 /// # Errors
-/// In words, if the device is none, or can't be reached.
+/// A text, if the device is unknown, or can't be reached.
 pub fn fuzz(wish: &Wish, surroundings: &Surroundings) -> Result<Tried, String> {
     let device = device(&wish.bus)?;
     let (mut stand, knowledge) = of_address(&device, None, wish.seed).map_err(words)?;
@@ -246,7 +246,7 @@ pub fn fuzz(wish: &Wish, surroundings: &Surroundings) -> Result<Tried, String> {
         seed: wish.seed,
         allow: touches(wish),
         shrink_budget: 2_000,
-        // There is no clock here; who cancels ends all of it.
+        // The page has no clock for a time limit; its user cancels by ending the whole worker.
         time: TimeLimit::default(),
         stop_at_first: false,
         regressions: Vec::new(),
@@ -273,7 +273,8 @@ pub fn fuzz(wish: &Wish, surroundings: &Surroundings) -> Result<Tried, String> {
     Ok(Tried { html, json })
 }
 
-/// What the device says of itself: another one of its kind, as those that were fuzzed are in any state.
+/// The identity of the device. It is read from another instance of the device, as the fuzzed ones are in arbitrary
+/// states.
 fn identity_of(wish: &Wish, node: NodeId) -> Result<DeviceIdentity, String> {
     const BOOT: Duration = Duration::from_secs(5);
     let mut opened = open_seeded_at(&wish.bus, wish.seed, Some(node)).map_err(words)?;

@@ -1,4 +1,4 @@
-//! What is written and read again is the same, and hostile bytes are errors.
+//! Encoding and decoding gives the same value, and hostile bytes are errors.
 
 use super::*;
 use crate::filter::{Condition, Test};
@@ -54,7 +54,7 @@ fn physical(plan: Arc<dyn ExecutionPlan>) -> Result<Arc<dyn ExecutionPlan>> {
     codec.try_decode(&bytes, &inputs, &TaskContext::default(), &converter)
 }
 
-/// A plan of no files.
+/// A plan without files.
 fn no_files() -> Arc<dyn ExecutionPlan> {
     crate::scan::files::plan(&[]).unwrap()
 }
@@ -97,7 +97,7 @@ proptest! {
         let short = &bytes[..MARK.len() + at.index(bytes.len() - MARK.len())];
         prop_assert!(read::<SentPlan>(short).is_err());
         prop_assert!(read::<SentPlan>(&[MARK, &noise].concat()).is_err());
-        // One byte may make another plan, but never a panic.
+        // A changed byte may give another plan, but never a panic.
         let place = at.index(bytes.len());
         bytes[place] = byte;
         let converter = DefaultPhysicalProtoConverter {};

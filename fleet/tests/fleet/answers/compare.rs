@@ -1,11 +1,11 @@
-//! Row by row, what SQL answers and what `canvass` prints.
+//! Compares the answers of SQL row by row with the output of `canvass`.
 
 use super::engine::Engine;
 use super::program::{document, lines, written};
 use serde_json::{Map, Value, json};
 use std::path::Path;
 
-/// Compares everything of a capture.
+/// Compares all tables of a capture.
 pub fn all(engine: &Engine, capture: &Path) {
     messages(engine, capture);
     events(engine, capture);
@@ -14,7 +14,7 @@ pub fn all(engine: &Engine, capture: &Path) {
     quality(engine, capture);
 }
 
-/// A row with columns called as JSON calls them, and without those that are null.
+/// The non-null columns of a row, under their names in JSON.
 fn renamed(row: &Value, columns: &[(&str, &str)]) -> Value {
     let there = |(column, name): &(&str, &str)| {
         let value = row.get(*column).unwrap_or_else(|| panic!("{column} is no column of {row}"));
@@ -23,7 +23,7 @@ fn renamed(row: &Value, columns: &[(&str, &str)]) -> Value {
     Value::Object(columns.iter().filter_map(there).collect())
 }
 
-/// A JSON object with these members alone, and without those that are null or false.
+/// A JSON object reduced to these members, without those that are null or false.
 fn reduced(object: &Value, names: &[&str]) -> Value {
     let told = |name: &&str| {
         let value = object.get(*name)?;
@@ -58,7 +58,7 @@ fn messages(engine: &Engine, capture: &Path) {
     }
 }
 
-/// The columns of `events` whose names in JSON are others, by the kind of event.
+/// The columns of `events` whose names differ in JSON, by the kind of event.
 fn event_columns(kind: &str) -> &'static [(&'static str, &'static str)] {
     match kind {
         "sdo" => &[
@@ -131,7 +131,7 @@ fn with(mut object: Value, name: &str, value: &Value) -> Value {
     object
 }
 
-/// The signals of each frame, as `decode` has them, and the latest value of each column, as `signals` has them.
+/// Compares the signals of each frame with `decode`, and the latest value of each column with `signals`.
 fn signals(engine: &Engine, capture: &Path) {
     let decoded = lines(&["decode", "--format", "json"], capture);
     let told: Vec<(&Value, &Value)> = decoded
@@ -160,7 +160,7 @@ fn signals(engine: &Engine, capture: &Path) {
 fn is_same_number(row: &Value, told: &Value) -> bool {
     let number = |value: &Value| value.as_f64().or_else(|| value.as_bool().map(|is| f64::from(u8::from(is))));
     match (number(row), number(told)) {
-        // A REAL32 is printed with the digits that tell it from other REAL32.
+        // A REAL32 is printed with only the digits that distinguish it from other REAL32 values.
         (Some(row), Some(told)) => row == told || row as f32 == told as f32,
         (row, told) => row == told || told.is_none(),
     }
@@ -172,7 +172,7 @@ fn columns(rows: &[Value], capture: &Path) {
     let mut of_pdos = rows.iter().filter(|row| !row["pdo"].is_null()).peekable();
     for line in &told {
         let head = ["t", "channel", "node", "pdo"];
-        // `signals` has no line for a PDO none of whose values is a number.
+        // `signals` has no line for a PDO without numeric values.
         while of_pdos.next_if(|row| is_without_number(row) && reduced(row, &head) != reduced(line, &head)).is_some() {}
         let row = of_pdos.peek().unwrap_or_else(|| panic!("{line} has no rows: {}", capture.display()));
         assert_eq!(reduced(row, &head), reduced(line, &head), "{}", capture.display());
@@ -185,7 +185,7 @@ fn columns(rows: &[Value], capture: &Path) {
             }
         }
         for (name, value) in line.as_object().unwrap().iter().filter(|(name, _)| !head.contains(&name.as_str())) {
-            // Where two objects have the same name, the address tells them apart.
+            // The address distinguishes two objects of the same name.
             if let Some(known) = latest.get(name) {
                 assert!(is_same_number(known, value), "{name} {known} {line}");
             }

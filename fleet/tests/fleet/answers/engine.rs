@@ -1,4 +1,4 @@
-//! The engine under test: statements in, rows as JSON out.
+//! The engine under test: takes statements, returns rows as JSON.
 
 use crate::sink::Shared;
 use canvass_fleet::render::{Format, answer};
@@ -19,7 +19,7 @@ impl Engine {
         Self::pushing(true)
     }
 
-    /// With or without filters that are asked before rows are made.
+    /// An engine that applies filters before rows are made, or not.
     pub fn pushing(push_down: bool) -> Self {
         let mut scan = Options::default();
         scan.push_down = push_down;

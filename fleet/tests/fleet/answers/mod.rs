@@ -1,5 +1,5 @@
-//! Answers in SQL are those of `canvass decode`, `signals` and `diagnose`: of every sample, and of 200 generated captures of
-//! all formats.
+//! Answers in SQL equal those of `canvass decode`, `signals` and `diagnose`, for every sample and for 200 generated
+//! captures of all formats.
 
 mod compare;
 mod engine;

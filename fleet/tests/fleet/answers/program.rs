@@ -1,10 +1,10 @@
-//! `canvass` itself, which the answers are held against.
+//! Runs `canvass`, whose output the answers must equal.
 
 use serde_json::Value;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-/// The program: that of CANVASS_PROGRAM, or the one that `cargo build` has made beside this workspace.
+/// The path of the program: CANVASS_PROGRAM, or the program that `cargo build` made in the folder above.
 fn program() -> PathBuf {
     let built = || Path::new(env!("CARGO_MANIFEST_DIR")).join("../target/debug/canvass");
     let program = std::env::var_os("CANVASS_PROGRAM").map_or_else(built, PathBuf::from);
@@ -17,7 +17,7 @@ fn output(arguments: &[&str], capture: &Path) -> String {
     String::from_utf8(ended.stdout).unwrap()
 }
 
-/// JSON Lines, without the name of the schema.
+/// The JSON Lines that the program prints, without the name of the schema.
 pub fn lines(arguments: &[&str], capture: &Path) -> Vec<Value> {
     let without_schema = |line: &str| {
         let mut value: Value = serde_json::from_str(line).unwrap();
@@ -27,12 +27,12 @@ pub fn lines(arguments: &[&str], capture: &Path) -> Vec<Value> {
     output(arguments, capture).lines().map(without_schema).collect()
 }
 
-/// One document.
+/// The JSON document that the program prints.
 pub fn document(arguments: &[&str], capture: &Path) -> Value {
     serde_json::from_str(&output(arguments, capture)).unwrap()
 }
 
-/// The document that it writes into a file, whose name is the last argument.
+/// The document that the program writes into a file, whose name is the last argument.
 pub fn written(arguments: &[&str], capture: &Path) -> Value {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("document.json");

@@ -1,4 +1,4 @@
-//! Filters that are asked before rows are made give the rows that the engine's own filters leave.
+//! Filters that are applied before rows are made give the same rows as the engine's own filters.
 
 use super::engine::Engine;
 use super::traffic::{self, Random};
@@ -58,10 +58,10 @@ fn statement(random: &mut Random, table: Table, file: &str, rows: &[Value]) -> S
 /// Number of questions to each table of each capture.
 const QUESTIONS: usize = 3;
 
-/// Tables of what single frames tell: what is not asked for is not even read.
+/// Tables whose rows need single frames only: columns that are not requested are not even read.
 const OF_FRAMES: [Table; 4] = [Table::Frames, Table::Messages, Table::Events, Table::Signals];
 
-/// Asks random questions of a capture, pushed down and not.
+/// Makes random queries of a capture, with both engines.
 fn ask(engines: &[Engine; 2], tables: &[Table], file: &Path, seed: u64) {
     let [pushing, plain] = engines;
     let mut random = Random::new(seed + 1000);
@@ -107,7 +107,7 @@ fn random_projections_and_filters_of_samples() {
     }
 }
 
-/// A long log, of which nearly all is passed over before it is parsed.
+/// Nearly all lines of a long log are skipped before they are parsed.
 #[test]
 fn a_filter_of_a_log() {
     let (engines, folder) = ([true, false].map(Engine::pushing), tempfile::tempdir().unwrap());

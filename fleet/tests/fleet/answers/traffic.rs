@@ -10,10 +10,10 @@ use std::path::{Path, PathBuf};
 
 const SECOND: u64 = 1_000_000_000;
 const BEGIN: u64 = 1_738_061_235 * SECOND;
-/// Where process data and others move to.
+/// The COB-IDs to which PDOs and other services move.
 const PLACES: [u32; 8] = [0x181, 0x182, 0x1A0, 0x281, 0x105, 0x106, 0x6A0, 0x080];
 
-/// Random numbers that are the same everywhere (xorshift64*).
+/// Random numbers that are the same on all machines (xorshift64*).
 pub struct Random(u64);
 
 impl Random {
@@ -37,7 +37,7 @@ impl Random {
     }
 }
 
-/// Frames under way.
+/// The frames of a bus while they are generated.
 struct Bus {
     random: Random,
     now: u64,
@@ -45,7 +45,7 @@ struct Bus {
     channels: u64,
 }
 
-/// The frames of a network of a few nodes, with whatever goes wrong on such.
+/// The frames of a network of a few nodes, with the errors that such networks have.
 pub fn traffic(seed: u64, frames: usize, kinds: Kinds) -> Vec<Record> {
     let mut random = Random::new(seed);
     let channels = 1 + random.below(kinds.channels);
@@ -59,7 +59,7 @@ pub fn traffic(seed: u64, frames: usize, kinds: Kinds) -> Vec<Record> {
     bus.records
 }
 
-/// What a format can hold.
+/// The kinds of records that a format can hold.
 #[derive(Clone, Copy)]
 pub struct Kinds {
     pub channels: u64,
@@ -70,7 +70,7 @@ pub struct Kinds {
 
 impl Bus {
     fn record(&mut self, frame: Frame) -> Record {
-        // Times in whole milliseconds are held by every format; now and then the clock steps back.
+        // Every format can hold times in whole milliseconds; now and then the clock steps back.
         self.now += (1 + self.random.below(20)) * 1_000_000;
         if self.random.below(400) == 0 {
             self.now -= 50_000_000;
@@ -87,7 +87,7 @@ impl Bus {
         self.records.push(record);
     }
 
-    /// A node boots up, and its identity and the mapping of a PDO are read, or it is only seen later.
+    /// A node boots up. Its identity and the mapping of a PDO are read now, or only later in the capture.
     fn node_begins(&mut self, node: u32) {
         self.send(0x700 + node, &[0]);
         let identity = [0x13_u32, 0x5868_2001, 0x0001_0002, 77 + node];
@@ -160,7 +160,7 @@ impl Bus {
         }
     }
 
-    /// A COB-ID moves, or is there no more: of a PDO, EMCY, SYNC, a further SDO server, an SRDO.
+    /// A COB-ID moves or becomes invalid: of a PDO, EMCY, SYNC, a further SDO server or an SRDO.
     fn moved(&mut self, node: u32) {
         let objects = [(0x1800, 1), (0x1801, 1), (0x1400, 1), (0x1014, 0), (0x1005, 0), (0x1201, 1), (0x1201, 2)];
         let (index, sub) = *self.random.of(&[&objects[..], &[(0x1301, 1), (0x1301, 5), (0x1301, 6)]].concat());
@@ -170,7 +170,7 @@ impl Bus {
         self.write(node, index, sub, value);
     }
 
-    /// Another mapping, or a multiplexed PDO.
+    /// A PDO gets another mapping, or becomes a multiplexed PDO.
     fn mapped(&mut self, node: u32) {
         let count = *self.random.of(&[0, 1, 2, 0xFE, 0xFF]);
         self.write(node, 0x1A00, 1, 0x6004_0020);
@@ -184,14 +184,14 @@ impl Bus {
         self.send(0x580 + node, &[0x60, low, high, sub, 0, 0, 0, 0]);
     }
 
-    /// The last frames once more, as interfaces record them that hear themselves.
+    /// Repeats the last frames, as interfaces do that record their own frames.
     fn copies(&mut self) {
         let begin = self.records.len().saturating_sub(3);
         let again = self.records[begin..].to_vec();
         self.records.extend(again.into_iter().filter(|record| record.comment().is_none()));
     }
 
-    /// A node is asked for its state, and answers with a toggle bit.
+    /// A master guards a node, which answers with a toggle bit.
     fn guarded(&mut self, node: u32) {
         let asked = self.record(Frame::remote(CanId::standard_masked(0x700 + node), 1).unwrap());
         self.records.push(asked);
@@ -199,14 +199,14 @@ impl Bus {
         self.send(0x700 + node, &[5 | toggle]);
     }
 
-    /// The two halves of an SRDO.
+    /// Sends the two halves of an SRDO.
     fn safe(&mut self) {
         let byte = self.random.byte();
         self.send(0x105, &[byte, 1]);
         self.send(0x106, &[!byte, !1]);
     }
 
-    /// Layer setting gives a device another node-ID, and it starts; or it starts as before CiA 301 V4.
+    /// LSS gives a device another node-ID, and the device starts; or a device starts as before CiA 301 V4.
     fn renamed(&mut self, node: u32) {
         if self.random.below(2) == 0 {
             return self.send(0x80 + node, &[]);
@@ -239,7 +239,7 @@ impl Bus {
 
     fn download(&mut self, node: u32) {
         self.send(0x600 + node, &[0x2B, 0x17, 0x10, 0, 0xE8, 3, 0, 0]);
-        // Now and then nobody answers.
+        // Now and then the server does not answer.
         if self.random.below(3) > 0 {
             self.send(0x580 + node, &[0x60, 0x17, 0x10, 0, 0, 0, 0, 0]);
         }
@@ -264,7 +264,7 @@ impl Bus {
     }
 }
 
-/// A file of that format with these frames; some are compressed. Gives back where it is.
+/// Writes a file of this format with random frames; some files are compressed. Returns its path.
 pub fn write(folder: &Path, format: Format, seed: u64) -> PathBuf {
     let kinds = kinds(format);
     let records = traffic(seed, 120 + (seed % 7) as usize * 60, kinds);
@@ -323,7 +323,7 @@ fn written(format: Format, records: &[Record], seed: u64) -> Vec<u8> {
     sink.0.lock().unwrap().clone()
 }
 
-/// As candump prints on a console.
+/// Formats records as candump prints them on a console.
 fn console(records: &[Record]) -> String {
     let mut text = String::new();
     for record in records {
@@ -358,7 +358,7 @@ fn minimon(records: &[Record]) -> String {
     text
 }
 
-/// A file header, and plain CAN messages behind each other.
+/// Makes a BLF file: a file header, and plain CAN messages one after the other.
 fn blf(records: &[Record]) -> Vec<u8> {
     let mut objects = Vec::new();
     for record in records {

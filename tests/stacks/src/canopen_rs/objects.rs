@@ -4,10 +4,10 @@ use canopen_rs::datatypes::ByteString;
 use canopen_rs::standard::StandardObjects;
 use canopen_rs::{Address, Entry, LssAddress, NodeId, ObjectDictionary, Value};
 
-/// Room for this many objects.
+/// Capacity of the object dictionary in objects.
 pub const CAPACITY: usize = 128;
 
-/// 1018h, and the LSS address.
+/// The identity 1018h, which is also the LSS address.
 pub const IDENTITY: LssAddress = LssAddress {
     vendor_id: 0x00C0_FFEE,
     product_code: 0x0000_CA06,
@@ -15,10 +15,10 @@ pub const IDENTITY: LssAddress = LssAddress {
     serial_number: 0x0000_1234,
 };
 
-/// How many entries of 1003h there are.
+/// Number of entries of 1003h.
 const ERROR_HISTORY: u8 = 4;
 
-/// As delivered, for that node-ID.
+/// The object dictionary as delivered, for this node-ID.
 pub fn dictionary(node: NodeId) -> ObjectDictionary<CAPACITY> {
     let mut objects = ObjectDictionary::new();
     let standard =
@@ -29,7 +29,7 @@ pub fn dictionary(node: NodeId) -> ObjectDictionary<CAPACITY> {
         (0x1005, 0, Entry::constant(Value::Unsigned32(0x80))),
         (0x1009, 0, Entry::constant(text("rev1"))),
         (0x100A, 0, Entry::constant(text("0.6.1"))),
-        // Guarding is answered; life guarding is not in the crate.
+        // The device answers guarding; the crate has no life guarding.
         (0x100C, 0, Entry::ro(Value::Unsigned16(0))),
         (0x100D, 0, Entry::ro(Value::Unsigned8(0))),
         (0x1014, 0, Entry::constant(Value::Unsigned32(0x80 + id))),
@@ -88,19 +88,19 @@ fn pdo(
     fits
 }
 
-/// Takes over the objects that a reset of the communication does not touch.
+/// Copies the objects that a reset of the communication does not change.
 pub fn keep_application(objects: &mut ObjectDictionary<CAPACITY>, kept: &ObjectDictionary<CAPACITY>) {
     for (index, last) in [(0x2000, 5), (0x2001, 0), (0x2002, 0), (0x2100, 2), (0x2200, 3)] {
         for sub in 0..=last {
             if let Some(entry) = kept.entry(Address::new(index, sub)) {
-                // Room is there: the objects are the same.
+                // The dictionary has room, as the objects are the same.
                 let _ = objects.insert(Address::new(index, sub), *entry);
             }
         }
     }
 }
 
-/// The numbers of the TPDOs that are in use, from 0: a node numbers only these.
+/// The numbers, from 0, of the valid TPDOs: a node counts only these.
 pub fn valid_tpdos(objects: &ObjectDictionary<CAPACITY>) -> Vec<usize> {
     const INVALID: u32 = 1 << 31;
     let is_valid = |number: &u16| {
@@ -110,7 +110,7 @@ pub fn valid_tpdos(objects: &ObjectDictionary<CAPACITY>) -> Vec<usize> {
     (0..2).filter(is_valid).map(usize::from).collect()
 }
 
-/// Whether each of the mapped objects that it counts has an entry, and they fit into eight bytes.
+/// Whether all mapped objects of a PDO exist and fit into eight bytes.
 fn is_complete(objects: &ObjectDictionary<CAPACITY>, number: u16) -> bool {
     let Ok(Value::Unsigned8(count)) = objects.read(Address::new(0x1A00 + number, 0)) else { return false };
     let bits = (1..=count).map(|sub| match objects.read(Address::new(0x1A00 + number, sub)) {
@@ -120,7 +120,7 @@ fn is_complete(objects: &ObjectDictionary<CAPACITY>, number: u16) -> bool {
     bits.sum::<Option<u32>>().is_some_and(|bits| bits <= 64)
 }
 
-/// Whether that TPDO, from 0, is sent when something happens.
+/// Whether this TPDO, numbered from 0, is event-driven.
 pub fn is_event_driven(objects: &ObjectDictionary<CAPACITY>, number: usize) -> bool {
     let sub = u16::try_from(number).map(|number| Address::new(0x1800 + number, 2));
     matches!(sub.map(|sub| objects.read(sub)), Ok(Ok(Value::Unsigned8(254..=255))))

@@ -1,5 +1,5 @@
-//! What the application of the device with `zencan-node` keeps: its non-volatile memory, and the state of its statics
-//! at power-on.
+//! The state of the application around `zencan-node`: its non-volatile memory, and the values of its statics at
+//! power-on.
 
 use super::node::{NODE_STATE, OD_TABLE};
 use std::convert::Infallible;
@@ -10,20 +10,20 @@ use zencan_node::object_dict::{ODEntry, find_object};
 use zencan_node::priority_queue::PriorityQueue;
 use zencan_node::{Callbacks, NodeMbox, SDO_BUFFER_SIZE, restore_stored_comm_objects, restore_stored_objects};
 
-/// Non-volatile.
+/// The non-volatile memory.
 pub struct Memory {
-    /// 255: none.
+    /// The stored node-ID; 255: none.
     node: AtomicU8,
     objects: Mutex<Vec<u8>>,
 }
 
 impl Memory {
-    /// With nothing stored but a node-ID.
+    /// A memory that holds only a node-ID.
     pub fn new(node: u8) -> Self {
         Self { node: AtomicU8::new(node), objects: Mutex::default() }
     }
 
-    /// The node-ID to start with.
+    /// The node-ID at the start.
     pub fn node_id(&self) -> zencan_node::common::NodeId {
         let raw = self.node.load(Ordering::Relaxed);
         zencan_node::common::NodeId::new(raw).unwrap_or(zencan_node::common::NodeId::Unconfigured)
@@ -34,7 +34,7 @@ impl Memory {
     }
 }
 
-/// What the node calls: each closure owns its share of the memory.
+/// The callbacks of the node: each closure shares the ownership of the memory.
 pub fn callbacks(memory: &Arc<Memory>) -> Callbacks<'static> {
     const fn is_shareable<T: Send + Sync>() {}
     const { is_shareable::<Memory>() };
@@ -63,7 +63,7 @@ pub fn callbacks(memory: &Arc<Memory>) -> Callbacks<'static> {
     }
 }
 
-/// PDO parameters the node resets itself.
+/// PDO parameters, which the node resets itself.
 const PDO_PARAMETERS: std::ops::RangeInclusive<u16> = 0x1400..=0x1BFF;
 
 /// A writable object's value when the process began.
@@ -73,7 +73,7 @@ struct StartValue {
     value: Vec<u8>,
 }
 
-/// Before anybody has written them, the statics hold the defaults.
+/// The default values: those of the statics before the first write.
 fn defaults() -> &'static [StartValue] {
     static DEFAULTS: OnceLock<Vec<StartValue>> = OnceLock::new();
     DEFAULTS.get_or_init(|| {
@@ -83,7 +83,7 @@ fn defaults() -> &'static [StartValue] {
             subs.filter(|(entry, sub)| entry.data.access_type(*sub).is_ok_and(|access| access.is_writable()));
         let default = |(entry, sub): (&ODEntry<'static>, u8)| {
             let mut value = vec![0; entry.data.read_size(sub).ok()?];
-            // One that can't be read by SDO is zero.
+            // A value that SDO can't read is zero.
             let _ = entry.data.read(sub, 0, &mut value);
             Some(StartValue { index: entry.index, sub, value })
         };
@@ -91,17 +91,18 @@ fn defaults() -> &'static [StartValue] {
     })
 }
 
-/// "The application should also do whatever is appropriate to reset its state": the node leaves that to it.
+/// Resets objects to their defaults, which the node leaves to the application: "The application should also do whatever
+/// is appropriate to reset its state".
 fn set_defaults(range: std::ops::RangeInclusive<u16>) {
     for default in defaults().iter().filter(|default| range.contains(&default.index)) {
         if let Some(object) = find_object(&OD_TABLE, default.index) {
-            // A default is a value of the object's own.
+            // The object accepts its own default.
             let _ = object.write(default.sub, &default.value);
         }
     }
 }
 
-/// Brings the statics to what they are when a processor starts.
+/// Brings the statics into their state after the start of a processor.
 pub fn as_after_power_on() {
     set_defaults(0..=0xFFFF);
     for entry in &OD_TABLE {
@@ -109,7 +110,7 @@ pub fn as_after_power_on() {
     }
     for pdo in NODE_STATE.rpdos().iter().chain(NODE_STATE.tpdos()) {
         pdo.buffered_value.store(None);
-        // The count of SYNCs begins anew with a PDO of type 1; the node then sets what it sets.
+        // A PDO of type 1 begins its count of SYNCs anew; the node then sets the real type.
         pdo.set_valid(true);
         pdo.set_transmission_type(1);
         pdo.sync_update();
@@ -119,14 +120,14 @@ pub fn as_after_power_on() {
     }
 }
 
-/// A mailbox as `zencan-build` makes it, new: the generated one keeps what was under way.
+/// A new mailbox like the one that `zencan-build` generates, which would keep old messages.
 pub fn mailbox() -> &'static NodeMbox {
     let queue: &'static PriorityQueue<4, CanMessage> = Box::leak(Box::new(PriorityQueue::new()));
     let buffer = Box::leak(Box::new([0; SDO_BUFFER_SIZE]));
     Box::leak(Box::new(NodeMbox::new(NODE_STATE.rpdos(), NODE_STATE.tpdos(), queue, buffer)))
 }
 
-/// The objects that can be mapped, those that TPDOs send as delivered first.
+/// The objects that can be mapped; those that TPDOs send as delivered come first.
 const MAPPABLE: [(u16, u8); 5] = [(0x2100, 1), (0x2100, 2), (0x2200, 1), (0x2200, 2), (0x2200, 3)];
 
 /// Values of [`MAPPABLE`].
@@ -136,7 +137,7 @@ pub type Parts = [u32; MAPPABLE.len()];
 pub fn tpdo_values() -> Parts {
     MAPPABLE.map(|(index, sub)| {
         let mut bytes = [0; 4];
-        // What is shorter leaves zeros.
+        // A shorter value leaves zeros.
         let _ = find_object(&OD_TABLE, index).map(|object| object.read(sub, 0, &mut bytes));
         u32::from_le_bytes(bytes)
     })
@@ -146,20 +147,20 @@ pub fn tpdo_values() -> Parts {
 pub fn set_event_flags(now: &Parts, before: &Parts) {
     for ((index, sub), _) in MAPPABLE.iter().zip(now.iter().zip(before)).filter(|(_, (now, before))| now != before) {
         if let Some(object) = find_object(&OD_TABLE, *index) {
-            // All of them have flags.
+            // All these objects have event flags.
             let _ = object.set_event_flag(*sub);
         }
     }
 }
 
-/// The statics are in use; whoever wants them waits until this is dropped.
+/// Exclusive use of the statics; other threads wait until this is dropped.
 pub struct Occupied(());
 
 static IN_USE: Mutex<bool> = Mutex::new(false);
 static FREED: Condvar = Condvar::new();
 
 impl Occupied {
-    /// Waits until nobody uses them.
+    /// Waits until no other thread uses the statics.
     pub fn wait() -> Self {
         let mut in_use = IN_USE.lock().unwrap_or_else(PoisonError::into_inner);
         while *in_use {

@@ -4,7 +4,7 @@ use super::{Expected, Outcome, PDO_PARAMETERS_UNCHECKED, Peer, expect, judge, pa
 use canvass_stacks::canopen_rs::{CanopenRs, EDS, NODE};
 use canvass_suite::verdict::Kind::{Fail, Inconclusive};
 
-/// All are its own, and in `docs/peers.md`; PDO parameters are stored with few checks or none.
+/// Defects of the stack, explained in `docs/peers.md`; PDO parameters are stored with few checks or none.
 const EXPECTED: &Expected = &[
     ("301/dictionary/highest-sub-index", Fail, NO_SUB_INDEX),
     ("301/dictionary/structure", Fail, NO_SUB_INDEX),
@@ -72,7 +72,7 @@ fn runs_the_same_each_time() {
     assert_eq!(trace(&outcome()), trace(&outcome()));
 }
 
-/// Without its description fewer cases apply, and none fails that does not with it.
+/// Without its description fewer cases apply, and no further case fails.
 #[test]
 fn without_description() {
     let outcome = judge(peer(), false, "");

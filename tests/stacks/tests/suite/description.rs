@@ -1,4 +1,4 @@
-//! The device descriptions are true: what the suite is told about a device, the device is.
+//! The device descriptions given to the suite are true of the devices.
 
 use super::{BIT_RATE, Peer};
 use canvass_analyzer::dictionary::{Access, DeviceDescription};
@@ -20,7 +20,7 @@ fn answer(bus: &mut SimulatedBus, node: NodeId, request: &Request) -> Option<Res
     None
 }
 
-/// Every object is there with its type's length and its default, and none is there that is not described.
+/// Every described object exists with the length of its type and its default, and no other object exists.
 fn is_true(peer: Peer, unreadable: &[Multiplexer]) {
     let description = DeviceDescription::read(peer.eds.as_bytes()).unwrap();
     let node = peer.node;
@@ -33,7 +33,7 @@ fn is_true(peer: Peer, unreadable: &[Multiplexer]) {
         let found = answer(&mut bus, node, &Request::upload(at));
         let is_right = match &found {
             Some(Response::InitiateUpload { payload: Payload::Segmented(size), .. }) => {
-                // The value comes in segments, which the suite reads; here its size is enough.
+                // The suite reads segmented values; this test checks only the announced size.
                 let is_right = expected.as_ref().map_or(0, Vec::len) == *size as usize;
                 bus.send(&Request::abort(at, AbortCode::GENERAL).to_frame(REQUEST_BASE + u16::from(node.raw())))
                     .unwrap();
@@ -67,7 +67,7 @@ fn of_canopen_rs() {
     is_true(Peer::new(canopen_rs::CanopenRs::new(), canopen_rs::EDS, canopen_rs::NODE), &[]);
 }
 
-/// 1010h:00 is there, but its server can't read it.
+/// 1010h:00 exists, but the server can't read it.
 #[test]
 fn of_zencan() {
     is_true(Peer::new(zencan::Zencan::new(), zencan::EDS, zencan::NODE), &[Multiplexer::new(0x1010, 0)]);

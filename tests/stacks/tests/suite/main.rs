@@ -1,7 +1,7 @@
-//! The whole suite, with everything allowed, on devices whose stacks others wrote.
+//! The whole suite, with all permissions, on devices with third-party stacks.
 //!
-//! What is not *pass*, *tolerated* or *not applicable* stands in `canopen_rs.rs` and `zencan.rs` with its reason: a
-//! change of a case or of a stack shows at once.
+//! Verdicts other than *pass*, *tolerated* and *not applicable* are listed in `canopen_rs.rs` and `zencan.rs` with
+//! their reasons: a change of a case or of a stack shows at once.
 
 #![cfg(test)]
 
@@ -25,10 +25,11 @@ use std::sync::atomic::AtomicBool;
 
 const BIT_RATE: u32 = 500_000;
 
-/// A stack that panics is restarted, as most devices in the field are: the cases after it can be judged.
+/// Time after which a stack that panicked is restarted, as most devices in the field are, so that the following cases
+/// can be judged.
 const WATCHDOG: Duration = Duration::from_millis(100);
 
-/// A device on the simulated bus, and what is known of it.
+/// A device on the simulated bus, and its description.
 struct Peer {
     machine: Box<dyn Machine>,
     memorial: Memorial,
@@ -49,7 +50,7 @@ impl Peer {
     }
 }
 
-/// What a run of the suite came to.
+/// The result of a run of the suite.
 struct Outcome {
     reports: Vec<CaseReport>,
     notices: Vec<String>,
@@ -57,7 +58,7 @@ struct Outcome {
     memorial: Memorial,
 }
 
-/// Runs the cases whose ids begin so.
+/// Runs the cases whose ids begin with this text.
 fn judge(peer: Peer, described: bool, begin: &str) -> Outcome {
     let mut target = peer.target();
     if !described {
@@ -80,10 +81,10 @@ fn judge(peer: Peer, described: bool, begin: &str) -> Outcome {
     Outcome { reports, notices, summary: summary.unwrap(), memorial: peer.memorial }
 }
 
-/// What the suite must find: the cases that do not end well, and how they end.
+/// The cases that do not end well, each with its verdict and the reason.
 type Expected = [(&'static str, Kind, &'static str)];
 
-/// The cases that fail on a stack that stores PDO parameters as any other object.
+/// Cases that fail on a stack that stores PDO parameters without checks.
 const PDO_PARAMETERS_UNCHECKED: [&str; 16] = [
     "301/cob-id/bits-beyond",
     "301/cob-id/each-bit-valid",
@@ -103,7 +104,7 @@ const PDO_PARAMETERS_UNCHECKED: [&str; 16] = [
     "301/rpdo/reserved-type",
 ];
 
-/// Demands that the run found what is expected, and which cases fail beside that, and nothing else.
+/// Requires the expected verdicts and the failures in `failed`, and no others.
 fn expect(outcome: &Outcome, expected: &Expected, failed: &[&'static str]) {
     let failed = failed.iter().map(|&id| (id, Kind::Fail, ""));
     let expected: Vec<_> = expected.iter().copied().chain(failed).collect();
@@ -135,12 +136,12 @@ fn describe(report: &CaseReport) -> String {
     format!("{}: {}: {reason} {:?}\n{}", report.case.id, report.verdict.kind(), report.notes, tail.join("\n"))
 }
 
-/// A run in which hardly anything applies would find nothing either.
+/// Number of passed cases: a run to which hardly any case applies would prove nothing.
 fn passed(outcome: &Outcome) -> usize {
     outcome.summary.count(Kind::Pass)
 }
 
-/// Everything that two runs must have in common, down to the frames and their times.
+/// The part of a run that two runs must have in common, with all frames and times.
 fn trace(outcome: &Outcome) -> Vec<String> {
     let of_case = |report: &CaseReport| {
         let frames =

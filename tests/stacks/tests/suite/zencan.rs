@@ -4,7 +4,7 @@ use super::{Expected, Outcome, PDO_PARAMETERS_UNCHECKED, Peer, expect, judge, pa
 use canvass_stacks::zencan::{EDS, NODE, Zencan};
 use canvass_suite::verdict::Kind::{Fail, Inconclusive};
 
-/// All are its own, and in `docs/peers.md`; PDO parameters are stored with few checks or none.
+/// Defects of the stack, explained in `docs/peers.md`; PDO parameters are stored with few checks or none.
 const EXPECTED: &Expected = &[
     ("301/boot-up/every-time", Fail, BOOT_UP),
     ("301/boot-up/no-sdo-before", Fail, BOOT_UP),

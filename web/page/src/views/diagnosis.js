@@ -19,7 +19,7 @@ export function diagnosisView(app, root) {
     page = frame("Diagnosis", html);
     page.addEventListener("load", () => {
       performance.measure("canvass-diagnosis", "canvass-open");
-      // Who goes on to the list finds it ready.
+      // The index is ready when the user goes on to the list.
       app.engine.call("index").catch(() => {});
       if (app.cursor !== null) point(app.cursor);
     });
@@ -55,7 +55,7 @@ export function diagnosisView(app, root) {
     time.replaceChildren(`Cursor at ${seconds.toFixed(6)} s `, button("Show in the trace", () => app.show("trace"), { class: "plain" }));
   }
 
-  // Only the report in our frame is heard, and only a number of it.
+  // Only messages of the report in our frame are accepted, and only a number in them.
   addEventListener("message", ({ source, data }) => {
     const seconds = data?.cursor;
     if (!page || source !== page.contentWindow || !Number.isFinite(seconds)) return;

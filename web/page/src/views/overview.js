@@ -1,4 +1,4 @@
-// How many frames there were over time, above the list of them; its cursor is that of the list and the plots.
+// The number of frames over time, above their list; its cursor is the same as in the list and the plots.
 import { element } from "../dom.js";
 
 const HEIGHT = 40;
@@ -25,7 +25,7 @@ export function overview(point) {
       let y = HEIGHT;
       column.forEach((frames, kind) => {
         if (frames === 0) return;
-        // What failed is seen, be it one frame of a million.
+        // Failures are visible, even one frame in a million.
         const high = Math.max((frames / most) * HEIGHT, kind === column.length - 1 ? 3 : 0.5);
         context.fillStyle = colours[kind];
         context.fillRect(x, y - high, 1, high);

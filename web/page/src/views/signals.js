@@ -66,7 +66,7 @@ export function signalsView(app, root) {
 
   function toggle(column, on) {
     chosen = on ? [...chosen, column].slice(-COLOURS.length) : chosen.filter((other) => other !== column);
-    // Their places, not their names: those are of the capture.
+    // The address contains the positions of the columns, as their names are data of the capture.
     app.state.set({ signals: chosen.join(",") });
     list();
     draw();
@@ -102,7 +102,7 @@ export function signalsView(app, root) {
   async function read() {
     const [columns, at] = [chosen, [...marks]];
     const values = await Promise.all(columns.map((column) => Promise.all(at.map((seconds) => valueAt(column, seconds)))));
-    // Another cursor was set meanwhile.
+    // The cursor was moved meanwhile.
     if (columns !== chosen || at.some((seconds, n) => seconds !== marks[n])) return;
     const cell = (value) => element("td", { class: "number" }, value === null ? "" : String(rounded(value)));
     const row = (name, [a, b]) => element("tr", {}, element("th", { scope: "row" }, name), cell(a), cell(b), cell(a === null || b === null ? null : b - a));

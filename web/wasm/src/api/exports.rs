@@ -1,4 +1,4 @@
-//! What can be downloaded.
+//! Downloads.
 
 use super::{Answer, Page, error, progress};
 use crate::export::{Export, Wish};
@@ -11,17 +11,17 @@ impl Page {
     /// Begins an export; `wish` is JSON.
     ///
     /// # Errors
-    /// If it can't be made.
+    /// If the export can't be made.
     pub fn export(&mut self, wish: &str) -> Answer<()> {
         let wish: Wish = serde_json::from_str(wish).map_err(error)?;
         self.export = Some(Export::begin(&self.files, &self.options, &self.described, &wish).map_err(error)?);
         Ok(())
     }
 
-    /// The next piece of the export; nothing at its end.
+    /// The next piece of the export; `None` at its end.
     ///
     /// # Errors
-    /// If it can't be made.
+    /// If the export can't be made.
     #[wasm_bindgen(js_name = exportOn)]
     pub fn export_on(&mut self, records: u32) -> Answer<Option<Vec<u8>>> {
         let Some(export) = &mut self.export else { return Ok(None) };
@@ -33,13 +33,13 @@ impl Page {
         Ok((more || !piece.is_empty()).then_some(piece))
     }
 
-    /// How far the export is: JSON.
+    /// The progress of the export, as JSON.
     #[wasm_bindgen(js_name = exportProgress)]
     pub fn export_progress(&self) -> String {
         self.export.as_ref().map_or(Value::Null, |export| progress(export.input(), true)).to_string()
     }
 
-    /// The formats of captures: JSON.
+    /// The formats of captures, as JSON.
     pub fn formats() -> String {
         let told =
             |format: Format| json!({ "id": format.id(), "name": format.summary(), "written": format.is_written() });

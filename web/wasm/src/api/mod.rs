@@ -1,4 +1,4 @@
-//! What the page's worker calls.
+//! The functions that the page's worker calls.
 
 mod exports;
 mod reading;
@@ -23,7 +23,7 @@ use wasm_bindgen::prelude::*;
 
 type Answer<T> = Result<T, JsError>;
 
-/// The captures and descriptions of a page, and what is done with them.
+/// The captures and descriptions of a page, and their results.
 #[wasm_bindgen]
 #[derive(Default)]
 pub struct Page {
@@ -45,7 +45,7 @@ fn error(text: impl std::fmt::Display) -> JsError {
     JsError::new(&printable(&text.to_string()))
 }
 
-/// How far the reading is.
+/// The progress of reading.
 fn progress(input: &Input, more: bool) -> Value {
     let size: u64 = input.files().iter().map(|(file, _)| file.length).sum();
     json!({ "more": more, "read": input.read(), "size": size })
@@ -60,7 +60,7 @@ impl Page {
     /// A page without files; `surroundings` is JSON: host, system, date, zone.
     ///
     /// # Errors
-    /// If it is none.
+    /// If `surroundings` is malformed.
     #[wasm_bindgen(constructor)]
     pub fn new(surroundings: &str) -> Answer<Self> {
         host::tell_why_it_stops();
@@ -68,32 +68,32 @@ impl Page {
         Ok(Self { surroundings, ..Self::default() })
     }
 
-    /// Sets how captures are read: JSON.
+    /// Sets the options for reading captures, as JSON.
     ///
     /// # Errors
-    /// If it is none.
+    /// If `options` is malformed.
     pub fn options(&mut self, options: &str) -> Answer<()> {
         self.options = serde_json::from_str(options).map_err(error)?;
         Ok(())
     }
 
-    /// Forgets the captures.
+    /// Removes the captures.
     pub fn close(&mut self) {
         (self.opening, self.opened, self.selection) = (None, None, None);
         (self.search, self.export, self.plots) = (None, None, None);
         self.files.clear();
     }
 
-    /// Adds a capture, which `canvassHost.read` reads by that number.
+    /// Adds a capture, which `canvassHost.read` reads by this number.
     #[wasm_bindgen(js_name = addCapture)]
     pub fn add_capture(&mut self, number: u32, name: &str, length: f64) {
         self.files.push(ChosenFile { number, name: name.to_owned(), length: length as u64 });
     }
 
-    /// Adds a description, or takes it in place of the one of that name; gives what it is, as JSON.
+    /// Adds a description, or replaces the one with this name; returns its summary as JSON.
     ///
     /// # Errors
-    /// If it can't be used.
+    /// If the description can't be used.
     #[wasm_bindgen(js_name = addDescription)]
     pub fn add_description(&mut self, name: &str, nodes: &str, bytes: &[u8]) -> Answer<String> {
         let described = Described::read(name, nodes, bytes).map_err(error)?;
@@ -103,13 +103,13 @@ impl Page {
         Ok(summary)
     }
 
-    /// Forgets a description.
+    /// Removes a description.
     #[wasm_bindgen(js_name = removeDescription)]
     pub fn remove_description(&mut self, name: &str) {
         self.described.retain(|known| known.name != name);
     }
 
-    /// The page of a description's dictionary.
+    /// The HTML page of a description's dictionary.
     ///
     /// # Errors
     /// If there is no such description.
@@ -118,7 +118,7 @@ impl Page {
         self.description(name)?.page().map_err(error)
     }
 
-    /// What is wrong in a description: JSON as of `eds check`.
+    /// The findings in a description, as the JSON of `eds check`.
     ///
     /// # Errors
     /// If there is no such description.

@@ -1,4 +1,4 @@
-//! Captures being read, and what was found in them.
+//! Reading of captures, and its results.
 
 use super::{Answer, Page, error, progress};
 use crate::descriptions::Described;
@@ -9,20 +9,20 @@ use serde_json::json;
 use sha2::{Digest, Sha256};
 use wasm_bindgen::prelude::*;
 
-/// Works out the hash of a file.
+/// Computes the hash of a file.
 #[wasm_bindgen]
 #[derive(Default)]
 pub struct Hasher(Sha256);
 
 #[wasm_bindgen]
 impl Hasher {
-    /// Of nothing yet.
+    /// A hasher without bytes.
     #[wasm_bindgen(constructor)]
     pub fn new() -> Self {
         Self::default()
     }
 
-    /// Takes the next bytes.
+    /// Adds the next bytes.
     pub fn update(&mut self, bytes: &[u8]) {
         self.0.update(bytes);
     }
@@ -35,10 +35,10 @@ impl Hasher {
 
 #[wasm_bindgen]
 impl Page {
-    /// Begins to read the captures. Where their hashes are worked out `elsewhere`, `hashed` is to be called with them.
+    /// Begins to read the captures. With `elsewhere`, another worker computes their hashes and passes them to `hashed`.
     ///
     /// # Errors
-    /// If one can't be opened.
+    /// If a capture can't be opened.
     pub fn open(&mut self, elsewhere: bool) -> Answer<()> {
         (self.opening, self.opened, self.selection) = (None, None, None);
         (self.search, self.plots) = (None, None);
@@ -66,17 +66,18 @@ impl Page {
         Ok(told.to_string())
     }
 
-    /// Says the hashes of the captures, in hexadecimal and in their order; `null` for one that can't be read: JSON.
+    /// Sets the hashes of the captures: JSON with a hexadecimal text for each capture in their order, `null` for an
+    /// unreadable one.
     ///
     /// # Errors
-    /// If no capture is open, or it is none.
+    /// If no capture is open, or `hashes` is malformed.
     pub fn hashed(&mut self, hashes: &str) -> Answer<()> {
         let hashes: Vec<Option<String>> = serde_json::from_str(hashes).map_err(error)?;
         self.opened.as_mut().ok_or_else(|| error("no capture is open"))?.hashed(&hashes);
         Ok(())
     }
 
-    /// What the captures are, in short: JSON.
+    /// A summary of the captures, as JSON.
     ///
     /// # Errors
     /// If no capture is open.

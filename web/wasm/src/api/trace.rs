@@ -12,7 +12,7 @@ use wasm_bindgen::prelude::*;
 
 #[wasm_bindgen]
 impl Page {
-    /// The `count` chosen rows from row `from` on, as JSON.
+    /// `count` of the selected rows, from row `from` on, as JSON.
     ///
     /// # Errors
     /// If no capture is open.
@@ -25,7 +25,7 @@ impl Page {
         serde_json::to_string(&rows(&opened.store, &places, opened.input.merge().channels())).map_err(error)
     }
 
-    /// All that is known of a frame: JSON.
+    /// The details of a frame, as JSON.
     ///
     /// # Errors
     /// If no capture is open.
@@ -34,7 +34,7 @@ impl Page {
         Ok(details(&opened.store, row as usize, opened.input.merge().channels()).to_string())
     }
 
-    /// Says whether a text is a filter: JSON, with the place of what is wrong in it.
+    /// Checks the syntax of a filter; returns JSON with the place and text of an error.
     #[wasm_bindgen(js_name = checkFilter)]
     pub fn check_filter(text: &str) -> String {
         match filter(text) {
@@ -46,11 +46,11 @@ impl Page {
         .to_string()
     }
 
-    /// What can stand next in a filter that was written so far: JSON.
+    /// The possible continuations of a partial filter, as JSON.
     pub fn completions(&self, text: &str) -> String {
         let channels = self.opened.iter().flat_map(|opened| opened.input.merge().channels().names());
         let Completion { from, words } = Completion::of(text, channels);
-        // The page counts as UTF-16 does.
+        // JavaScript counts positions in UTF-16 code units.
         let from = text.get(..from).unwrap_or_default().encode_utf16().count();
         json!({ "from": from, "words": words }).to_string()
     }
@@ -68,7 +68,7 @@ impl Page {
         Ok(json!({ "more": more, "looked": opened.indexing.looked_at(all), "all": all }).to_string())
     }
 
-    /// How many frames there were over time: JSON.
+    /// The number of frames over time, as JSON.
     ///
     /// # Errors
     /// If no capture is open.
@@ -76,10 +76,10 @@ impl Page {
         Ok(self.opened()?.indexing.overview.told().to_string())
     }
 
-    /// Chooses the rows that pass a filter and hold a text; both empty: all.
+    /// Selects the rows that pass a filter and contain a text; if both are empty, all rows.
     ///
     /// # Errors
-    /// If no capture is open, or the filter is none.
+    /// If no capture is open, or the filter is wrong.
     pub fn choose(&mut self, expression: &str, text: &str) -> Answer<()> {
         let filter = filter(expression).map_err(error)?;
         let chosen = (filter.is_some() || !text.is_empty()).then(|| Wanted::new(filter, text));
@@ -106,7 +106,7 @@ impl Page {
         Ok(told.to_string())
     }
 
-    /// Where a frame stands among the rows chosen.
+    /// The position of a frame among the selected rows.
     ///
     /// # Errors
     /// If no capture is open.
@@ -126,7 +126,7 @@ impl Page {
         Ok(row_at(store, start + Duration((seconds.max(0.0) * 1e9).round() as u64)) as u32)
     }
 
-    /// Looks for a text after a row, or before it.
+    /// Begins to search for a text after a row, or before it.
     ///
     /// # Errors
     /// If no capture is open.
@@ -139,7 +139,7 @@ impl Page {
     /// Searches the next `records` records; returns the progress as JSON.
     ///
     /// # Errors
-    /// If nothing is looked for.
+    /// If no search was begun.
     #[wasm_bindgen(js_name = findOn)]
     pub fn find_on(&mut self, records: u32) -> Answer<String> {
         let opened = self.opened.as_ref().ok_or_else(|| error("no capture is open"))?;
@@ -148,7 +148,7 @@ impl Page {
         Ok(json!({ "more": more, "found": search.found() }).to_string())
     }
 
-    /// Begins to gather the values of PDOs.
+    /// Begins to collect the values of PDOs.
     ///
     /// # Errors
     /// If no capture is open.
@@ -157,11 +157,11 @@ impl Page {
         Ok(())
     }
 
-    /// Gathers values from the next `records` records; returns the progress as JSON, and at the end the columns to
+    /// Collects values from the next `records` records; returns the progress as JSON, and at the end the columns to
     /// draw.
     ///
     /// # Errors
-    /// If nothing is gathered.
+    /// If no collection was begun.
     #[wasm_bindgen(js_name = plotsOn)]
     pub fn plots_on(&mut self, records: u32) -> Answer<String> {
         let opened = self.opened.as_ref().ok_or_else(|| error("no capture is open"))?;
@@ -174,7 +174,7 @@ impl Page {
         Ok(told.to_string())
     }
 
-    /// Times and values of a column between two times, thinned out to the extremes of `parts` spans.
+    /// Times and values of a column between two times, reduced to the extremes of `parts` spans.
     pub fn points(&self, column: u32, from: f64, to: f64, parts: u32) -> Vec<f64> {
         self.plots.as_ref().map_or_else(Vec::new, |plots| plots.points(column as usize, from, to, parts as usize))
     }

@@ -1,4 +1,4 @@
-//! One frame in full.
+//! Details of one frame.
 
 use super::rows::{shown, since};
 use super::store::{Step, Store};
@@ -11,7 +11,7 @@ use canvass_traces::{Channels, Timestamp};
 use serde_json::{Value, json};
 use std::ops::ControlFlow;
 
-/// All that is known of the frame of a row: `null` where there is none.
+/// The details of the frame of a row; `null` if there is no such row.
 pub fn details(store: &Store, row: usize, channels: &Channels) -> Value {
     let Some(mut walk) = store.walk(row) else { return Value::Null };
     walk.until(store, row, |_| ControlFlow::Continue(()));
@@ -66,7 +66,7 @@ fn of(step: &Step<'_>, channels: &Channels, start: Timestamp) -> Value {
     })
 }
 
-/// How far a transfer has come.
+/// The outcome of a transfer as text.
 fn outcome(outcome: Outcome) -> String {
     match outcome {
         Outcome::Open => "under way".to_owned(),
@@ -76,7 +76,7 @@ fn outcome(outcome: Outcome) -> String {
     }
 }
 
-/// The SDO transfer that the frame belongs to, as far as it has come.
+/// The SDO transfer to which the frame belongs, up to this frame.
 fn transfer(step: &Step<'_>, start: Timestamp) -> Option<Value> {
     let channel = step.decoded.channel?;
     let bus = step.network.bus(step.record.channel)?;

@@ -1,9 +1,9 @@
-//! All frames of the captures, small enough to be held, and any part of them with its meaning at once.
+//! All frames of the captures in compact form, from which any part can be decoded at once.
 //!
 //! - [`pack`]: a record in few bytes;
-//! - [`store`]: blocks of them, and the state of the network at some;
+//! - [`store`]: blocks of records, and snapshots of the network;
 //! - [`selection`]: the rows that pass a filter;
-//! - [`overview`]: how many there were over time;
+//! - [`overview`]: the number of frames over time;
 //! - [`rows`]: rows as the page shows them.
 
 pub mod details;

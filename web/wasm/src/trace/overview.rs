@@ -1,4 +1,4 @@
-//! How many frames of which kind there were over time: what the page draws above the list.
+//! The number of frames over time by kind, which the page draws above the list.
 
 use super::rows::is_bad;
 use canvass_analyzer::Service;
@@ -9,21 +9,21 @@ use serde_json::{Value, json};
 /// Kinds of frames that have a colour of their own.
 const KINDS: [&str; 5] = ["other", "pdo", "sdo", "management", "bad"];
 
-/// Counts in equal parts of the time.
+/// Numbers of frames in equal parts of the time.
 #[derive(Default)]
 pub struct Overview {
     start: Option<Timestamp>,
     last: Timestamp,
-    /// The length of a part is this power of two, in nanoseconds.
+    /// The binary logarithm of a part's length in nanoseconds.
     power: u32,
     parts: Vec<[u32; KINDS.len()]>,
 }
 
 impl Overview {
-    /// There are no more parts than this: when they are full, each two become one.
+    /// Maximum number of parts: when it is reached, each two parts become one.
     const MOST: usize = 1024;
 
-    /// Takes the next frame. One before the first counts to the first part.
+    /// Counts the next frame. A frame before the first one counts to the first part.
     #[inline]
     pub fn take(&mut self, time: Timestamp, decoded: &Decoded) {
         let start = *self.start.get_or_insert(time);
@@ -57,7 +57,7 @@ impl Overview {
         self.power += 1;
     }
 
-    /// All of it, in seconds.
+    /// All counts, with times in seconds.
     pub fn told(&self) -> Value {
         let start = self.start.unwrap_or_default().nanos();
         let span = self.last.nanos().saturating_sub(start);
@@ -66,7 +66,7 @@ impl Overview {
     }
 }
 
-/// The place of its kind among [`KINDS`].
+/// The index of the frame's kind in [`KINDS`].
 fn kind(decoded: &Decoded) -> usize {
     match decoded.service {
         service if is_bad(service, &decoded.message, decoded.violation) => 4,

@@ -19,7 +19,7 @@ const NEXT_NUMBER: u8 = 4;
 const DIRECTION: u8 = 0x30;
 const XL: u8 = 0x40;
 
-/// What the next record is told from.
+/// The values of the previous record, from which the next record is encoded as differences.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Before {
     time: u64,
@@ -65,7 +65,7 @@ pub fn push(record: &Record, before: &mut Before, out: &mut Vec<u8>) {
     if usual {
         let head = record.frame.id().raw() as u16 | (data.len() as u16) << 11;
         head.to_le_bytes().iter().for_each(|byte| begin.push(*byte));
-        // With what fills it up: that is cut off again.
+        // The padding of the data is written too, and cut off again.
         record.frame.bytes().iter().for_each(|byte| begin.push(*byte));
         begin.len -= 8 - data.len().min(8);
     }
@@ -148,7 +148,7 @@ fn push_number(out: &mut Vec<u8>, number: u64) {
     out.extend_from_slice(begin.written());
 }
 
-/// What a record begins with, and a usual one as a whole, until it is appended at once.
+/// The beginning of a record, or a whole usual record, which is appended in one piece.
 struct Begin {
     bytes: [u8; Self::LONGEST],
     len: usize,
@@ -156,7 +156,7 @@ struct Begin {
 
 impl Begin {
     const EMPTY: Self = Self { bytes: [0; Self::LONGEST], len: 0 };
-    /// Head, time, channel, number, CAN-ID and length, data.
+    /// Maximum length of head, time, channel, number, CAN-ID with length, and data.
     const LONGEST: usize = 1 + 10 + 3 + 10 + 2 + 8;
 
     #[inline(always)]

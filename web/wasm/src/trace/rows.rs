@@ -10,37 +10,37 @@ use canvass_traces::{Channels, Record, Timestamp};
 use serde::Serialize;
 use std::fmt::Write as _;
 
-/// What the page shows of a frame. Texts are made safe to show.
+/// A frame as the page shows it. Control characters in its texts are made visible.
 #[derive(Debug, Serialize)]
 pub struct Row {
-    /// Its place among all frames, from 0.
+    /// The index of the frame among all frames, from 0.
     pub row: usize,
-    /// Its line or packet.
+    /// The line or packet of the frame in its file.
     pub place: u64,
-    /// Since the first frame, in seconds.
+    /// Seconds since the first frame.
     pub time: String,
-    /// Its time as it stands in the capture.
+    /// The time as in the capture.
     pub absolute: String,
-    /// Since the frame before, in seconds.
+    /// Seconds since the previous frame.
     pub delta: String,
-    /// Its channel.
+    /// The name of the channel.
     pub channel: String,
-    /// Its CAN-ID.
+    /// The CAN-ID.
     pub id: String,
-    /// Its bytes.
+    /// The data bytes.
     pub data: String,
-    /// The node that it is about.
+    /// The node that the frame concerns.
     pub node: Option<u8>,
-    /// Its service.
+    /// The service of the frame.
     pub service: &'static str,
-    /// What it means.
+    /// The meaning of the frame.
     pub text: String,
-    /// Whether it says that something failed.
+    /// Whether the frame reports a failure.
     pub bad: bool,
 }
 
 impl Row {
-    /// The row of a step; times count from `start`, and from the frame before.
+    /// The row of a step; `time` counts from `start`, `delta` from the previous frame.
     pub fn new(step: &Step<'_>, channels: &Channels, start: Timestamp, before: Option<Timestamp>) -> Self {
         let Step { row, record, decoded, network } = step;
         let text = network.bus(record.channel).map(|bus| Meaning::new(record, decoded, bus).to_string());
@@ -63,7 +63,7 @@ impl Row {
     }
 }
 
-/// What is looked for first.
+/// Whether a frame reports a failure, for which users look first.
 pub(super) fn is_bad(service: Service, message: &Message, violation: Option<Violation>) -> bool {
     let aborted = matches!(
         message,
@@ -103,14 +103,14 @@ pub fn since(start: Timestamp, time: Timestamp) -> String {
     String::from_utf8_lossy(&out).into_owned()
 }
 
-/// A time in that style.
+/// A time in this style.
 pub fn shown(style: TimeStyle, time: Timestamp) -> String {
     let mut out = Vec::new();
     Clock::new(style).push(time, &mut out);
     String::from_utf8_lossy(&out).into_owned()
 }
 
-/// The rows of these places, which are in order.
+/// The rows with these indexes, which must be in order.
 pub fn rows(store: &Store, places: &[usize], channels: &Channels) -> Vec<Row> {
     let mut rows = Vec::with_capacity(places.len());
     let (Some(&first), Some(&last)) = (places.first(), places.last()) else { return rows };

@@ -1,4 +1,4 @@
-//! The rows that pass a filter or hold a text.
+//! The rows that pass a filter or contain a text.
 
 use super::store::{BLOCK, Step, Store, Walk};
 use canvass_analyzer::Meaning;
@@ -6,15 +6,15 @@ use canvass_analyzer::filter::{Filter, Subject};
 use canvass_traces::Channels;
 use std::ops::ControlFlow;
 
-/// What is looked for.
+/// The criteria of a selection or search.
 pub struct Wanted {
     filter: Option<Filter>,
-    /// In lower case.
+    /// The text in lower case.
     text: String,
 }
 
 impl Wanted {
-    /// What passes the filter, if there is one, and holds the text.
+    /// Criteria for rows that pass the filter, if there is one, and contain the text.
     pub fn new(filter: Option<Filter>, text: &str) -> Self {
         Self { filter, text: text.to_lowercase() }
     }
@@ -30,12 +30,12 @@ impl Wanted {
     }
 }
 
-/// Rows, a bit each.
+/// A set of rows, with one bit each.
 pub struct Selection {
     wanted: Wanted,
     walk: Option<Walk>,
     bits: Vec<u64>,
-    /// How many there are before each block.
+    /// Number of selected rows before each block.
     before: Vec<usize>,
     len: usize,
 }
@@ -43,12 +43,12 @@ pub struct Selection {
 const WORDS: usize = BLOCK / 64;
 
 impl Selection {
-    /// Of which nothing is known yet.
+    /// A selection before any record was examined.
     pub fn new(wanted: Wanted, store: &Store) -> Self {
         Self { wanted, walk: store.walk(0), bits: Vec::new(), before: Vec::new(), len: 0 }
     }
 
-    /// Looks at the next records; `false` at the end.
+    /// Examines the next records; `false` at the end.
     pub fn step(&mut self, store: &Store, records: usize, channels: &Channels) -> bool {
         let Some(walk) = &mut self.walk else { return false };
         let (wanted, bits, before, len) = (&self.wanted, &mut self.bits, &mut self.before, &mut self.len);
@@ -68,22 +68,22 @@ impl Selection {
         walk.row() < store.len()
     }
 
-    /// How many records were looked at.
+    /// Number of examined records.
     pub fn looked_at(&self) -> usize {
         self.walk.as_ref().map_or(0, Walk::row)
     }
 
-    /// How many rows there are so far.
+    /// Number of selected rows so far.
     pub const fn len(&self) -> usize {
         self.len
     }
 
-    /// Whether there are none so far.
+    /// Whether no row is selected so far.
     pub const fn is_empty(&self) -> bool {
         self.len == 0
     }
 
-    /// The places of `count` rows from row `from` on.
+    /// The indexes of `count` selected rows from number `from` on.
     pub fn places(&self, from: usize, count: usize) -> Vec<usize> {
         let block = self.before.partition_point(|before| *before <= from).saturating_sub(1);
         let skipped = from - self.before.get(block).copied().unwrap_or(0).min(from);
@@ -93,7 +93,7 @@ impl Selection {
         set.skip(skipped).take(count).collect()
     }
 
-    /// How many rows stand before a place.
+    /// Number of selected rows before an index.
     pub fn rank(&self, place: usize) -> usize {
         let block = place / BLOCK;
         let Some(before) = self.before.get(block) else { return self.len };
@@ -104,18 +104,18 @@ impl Selection {
     }
 }
 
-/// The next row after `from`, or the one before it, that is wanted; looks at so many records at most.
+/// A search for the next wanted row after `from`, or the last one before it, in steps.
 pub struct Search {
     wanted: Wanted,
     walk: Option<Walk>,
     end: usize,
     found: Option<usize>,
-    /// The last one is wanted, not the first.
+    /// Whether the last match is wanted instead of the first.
     last: bool,
 }
 
 impl Search {
-    /// Behind `from`, or before it.
+    /// Begins a search after `from`, or before it.
     pub fn new(wanted: Wanted, store: &Store, from: usize, backwards: bool) -> Self {
         let (begin, end) = if backwards { (0, from) } else { (from + 1, store.len()) };
         let mut walk = store.walk(begin);
@@ -125,7 +125,7 @@ impl Search {
         Self { wanted, walk, end, found: None, last: backwards }
     }
 
-    /// Looks at the next records; `false` at the end.
+    /// Examines the next records; `false` at the end.
     pub fn step(&mut self, store: &Store, records: usize, channels: &Channels) -> bool {
         let Some(walk) = &mut self.walk else { return false };
         let (wanted, found, last) = (&self.wanted, &mut self.found, self.last);
@@ -141,13 +141,13 @@ impl Search {
         walk.row() < self.end && (last || found.is_none())
     }
 
-    /// The row.
+    /// The found row.
     pub const fn found(&self) -> Option<usize> {
         self.found
     }
 }
 
-/// The first row of that time or later.
+/// The first row at this time or later.
 pub fn row_at(store: &Store, time: canvass_traces::Timestamp) -> usize {
     let block = store.block_of(time);
     let Some(mut walk) = store.walk(block * BLOCK) else { return 0 };

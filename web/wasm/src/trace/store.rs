@@ -1,6 +1,6 @@
-//! All records, in blocks, which are compressed when there are many; and the network as it was at the begin of some of
-//! them, so that what any record means is worked out from the nearest one on. While records come, they are only kept: the
-//! network is asked when all are there, by [`Indexing`].
+//! All records, in blocks, which are compressed when there are many, and snapshots of the network at the beginning of
+//! some blocks. Decoding of any record begins at the nearest snapshot before it. While records are added, they are only
+//! stored; [`Indexing`] decodes them and makes the snapshots when all are there.
 
 use super::overview::Overview;
 use super::pack::{self, Before};
@@ -9,10 +9,10 @@ use canvass_traces::{Record, Timestamp};
 use std::borrow::Cow;
 use std::ops::ControlFlow;
 
-/// Records of a block.
+/// Number of records in a block.
 pub const BLOCK: usize = 4096;
 
-/// The records.
+/// The store of all records.
 #[derive(Default)]
 pub struct Store {
     blocks: Vec<Block>,
@@ -24,19 +24,19 @@ pub struct Store {
     bytes: usize,
     /// Number of compressed blocks; they are the first ones.
     compressed: usize,
-    /// The bytes of the blocks that are not compressed.
+    /// Number of bytes in the uncompressed blocks.
     plain_bytes: usize,
-    /// Records that there was no more room for.
+    /// Number of records for which there was no room.
     left_out: u64,
     snapshots: Vec<Network>,
-    /// Blocks from one snapshot to the next.
+    /// Number of blocks from one snapshot to the next.
     spacing: usize,
 }
 
 struct Block {
     packed: Packed,
     first: Timestamp,
-    /// The latest time of this block and those before it.
+    /// The latest time in this block and all earlier ones.
     latest: Timestamp,
 }
 
@@ -49,7 +49,7 @@ impl Store {
     /// Number of bytes that are kept uncompressed, so that the user of a usual capture does not wait for its
     /// compression.
     const PLAIN_BYTES: usize = 32 << 20;
-    /// The memory that records may take: those of a capture of about a gigabyte.
+    /// Limit of the memory for records: enough for a capture of about a gigabyte.
     pub const MOST_BYTES: usize = 256 << 20;
     /// Maximum number of snapshots for one bus; several buses have fewer.
     const SNAPSHOTS: usize = 256;
@@ -60,32 +60,32 @@ impl Store {
         plain.min(Self::PLAIN_BYTES as u64).max(compressed).min(Self::MOST_BYTES as u64)
     }
 
-    /// How many records there are.
+    /// Number of records.
     pub const fn len(&self) -> usize {
         self.len
     }
 
-    /// Whether there are none.
+    /// Whether there are no records.
     pub const fn is_empty(&self) -> bool {
         self.len == 0
     }
 
-    /// How many records there was no room for.
+    /// Number of records for which there was no room.
     pub const fn left_out(&self) -> u64 {
         self.left_out
     }
 
-    /// When the first record was seen.
+    /// The time of the first record.
     pub fn start(&self) -> Option<Timestamp> {
         self.blocks.first().map(|block| block.first).or(self.open_first)
     }
 
-    /// A store without records. `network` holds what is known of the buses beforehand.
+    /// A store without records. `network` holds the knowledge about the buses before the first record.
     pub fn new(network: Network) -> Self {
         Self { snapshots: vec![network], spacing: 1, ..Self::default() }
     }
 
-    /// Takes the next record.
+    /// Adds the next record.
     #[inline]
     pub fn push(&mut self, record: &Record) {
         if self.len.is_multiple_of(BLOCK) && !self.begin_block() {
@@ -97,7 +97,7 @@ impl Store {
         self.len += 1;
     }
 
-    /// Closes the block that is full, and begins another; unless there is no more room.
+    /// Closes the full block and begins another; `false` if there is no more room.
     fn begin_block(&mut self) -> bool {
         if self.bytes >= Self::MOST_BYTES {
             return false;
@@ -106,7 +106,7 @@ impl Store {
         true
     }
 
-    /// Keeps the network as it is before a block, should it be one from which walks begin.
+    /// Keeps a snapshot of the network before a block, if the block is one that gets a snapshot.
     fn remember(&mut self, block: usize, network: &Network, buses: usize) {
         let most = (Self::SNAPSHOTS / buses.max(1)).max(2);
         if block == self.snapshots.len() * self.spacing {
@@ -135,7 +135,7 @@ impl Store {
         while self.plain_bytes > Self::PLAIN_BYTES && self.compress_next() {}
     }
 
-    /// Compresses the first block that is not yet.
+    /// Compresses the first uncompressed block; `false` if there is none.
     fn compress_next(&mut self) -> bool {
         let Some(block) = self.blocks.get_mut(self.compressed) else { return false };
         if let Packed::Plain(plain) = &block.packed {
@@ -158,7 +158,7 @@ impl Store {
         }
     }
 
-    /// The last block in which a record of that time can be, if records came in the order of their times.
+    /// The last block that can contain a record of this time, if records are in the order of their times.
     pub fn block_of(&self, time: Timestamp) -> usize {
         self.blocks.partition_point(|block| block.latest <= time).saturating_sub(1)
     }
@@ -171,11 +171,12 @@ impl Store {
     }
 }
 
-/// Goes through all records once: for what the page shows above the list, and so that any part of the list is soon there.
+/// Decodes all records once: for the overview above the list, and for the snapshots, with which any part of the list
+/// appears quickly.
 pub struct Indexing {
     walk: Option<Walk>,
     buses: usize,
-    /// How many frames there were over time, so far.
+    /// The number of frames over time, so far.
     pub overview: Overview,
 }
 
@@ -185,7 +186,7 @@ impl Indexing {
         Self { walk: store.walk(0), buses, overview: Overview::default() }
     }
 
-    /// Looks at the next records; `false` at the end.
+    /// Decodes the next records; `false` at the end.
     pub fn step(&mut self, store: &mut Store, records: usize) -> bool {
         let Some(walk) = &mut self.walk else { return false };
         let end = walk.row.saturating_add(records).min(store.len());
@@ -208,37 +209,37 @@ impl Indexing {
         self.walk.is_some()
     }
 
-    /// How many were looked at, of `all`.
+    /// Number of examined records, of `all`.
     pub fn looked_at(&self, all: usize) -> usize {
         self.walk.as_ref().map_or(all, Walk::row)
     }
 }
 
-/// Goes through the records from one on, with what the network knows there.
+/// Decodes the records from one on, with the state of the network there.
 pub struct Walk {
     network: Network,
     row: usize,
 }
 
-/// A record and what it means.
+/// A record with its meaning.
 pub struct Step<'a> {
-    /// Its place among all records.
+    /// The index of the record among all records.
     pub row: usize,
     /// The record.
     pub record: &'a Record,
-    /// What it means.
+    /// The meaning of the record.
     pub decoded: Decoded,
-    /// What is known once it was seen.
+    /// The network after this record.
     pub network: &'a Network,
 }
 
 impl Walk {
-    /// The row that comes next.
+    /// The index of the next record.
     pub const fn row(&self) -> usize {
         self.row
     }
 
-    /// Shows `see` the records before `end`, until it breaks off.
+    /// Passes the records before `end` to `see`, until `see` returns `Break`.
     pub fn until(&mut self, store: &Store, end: usize, mut see: impl FnMut(&Step<'_>) -> ControlFlow<()>) {
         while self.row < end.min(store.len()) {
             let Some(block) = store.block(self.row / BLOCK) else { return };
@@ -289,7 +290,7 @@ mod tests {
         (store, indexing)
     }
 
-    /// What the records from a row on mean.
+    /// The meanings of the records from a row on.
     fn from(store: &Store, row: usize) -> Vec<String> {
         let mut told = Vec::new();
         store.walk(row).unwrap().until(store, row + 9, |step| {
