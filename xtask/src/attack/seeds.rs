@@ -23,10 +23,10 @@ pub type IsFrame = fn(&[u8]) -> bool;
 pub struct Seed {
     pub kind: SeedKind,
     pub name: String,
-    /// The end of its name, by which some formats are recognised.
+    /// The end of the file name, by which some formats are recognised.
     pub ending: String,
     pub bytes: Vec<u8>,
-    /// For a text of rows: which row is a frame.
+    /// For a text with rows: whether a row is a frame.
     pub is_frame: Option<IsFrame>,
 }
 
