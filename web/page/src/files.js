@@ -20,7 +20,7 @@ let offered = null;
 let choice = 0;
 let hashed = () => {};
 
-/** From the next choice on, read pieces go to this port and their buffers come back; without a port, hashing ends now. */
+/** From the next choice on, read pieces go to this port and their buffers come back; without one, hashing ends now. */
 export function hashBy(port) {
   offered = port;
   if (!port) {

@@ -7,8 +7,9 @@ const PIECE = 1 << 20;
 let chosen = { choice: null, files: [] };
 
 /**
- * Hashes captures for the worker at this port, which sends `captures`, then pieces, then a message without either. Pieces
- * are sent back for reuse, and the last message is answered with the hashes. `asked` is called for each choice of captures.
+ * Hashes captures for the worker at this port, which sends `captures`, then pieces, then a message without either.
+ * Pieces are sent back for reuse, and the last message is answered with the hashes. `asked` is called for each choice of
+ * captures.
  */
 export function hashFor(port, asked) {
   port.onmessage = async ({ data: { choice, captures, number, from, bytes } }) => {

@@ -22,7 +22,7 @@ export class List {
   /** Number of visible rows at the last resize. */
   #before = 0;
 
-  /** `fetch(from, count)` returns rows, `draw(element, row)` shows one, `choose(row)` is called with the selected row. */
+  /** `fetch(from, count)` returns rows, `draw(element, row)` shows one, `choose(row)` gets the selected row. */
   constructor(root, { head, fetch, draw, choose, label }) {
     Object.assign(this, { root, fetch, draw, choose });
     this.at = 0;
