@@ -42,7 +42,7 @@ const JOURNAL: &str = "canvass journal 1\nbus can0\nnode 10\ndevice reference-30
                        value 1017:00 E803\nvalue 1800:01 8A010000\nbegun\nvalue 2041:00 41010000\nstores\nsettled\n";
 
 impl SeedKind {
-    /// Some of the commands that read such a file; `FILE` stands for it.
+    /// Some of the commands that read files of this kind; `FILE` stands for the file.
     pub fn commands(self, chance: &mut Chance) -> Vec<String> {
         let all: &[&str] = match self {
             Self::Capture => &[
