@@ -19,7 +19,7 @@ impl FromStr for Allow {
     }
 }
 
-/// All touches that the words permit.
+/// All touches that these words permit.
 pub fn touches(words: &[Allow]) -> BTreeSet<Touch> {
     let of = |word: &Allow| match word {
         Allow::One(touch) => vec![*touch],

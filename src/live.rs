@@ -44,7 +44,7 @@ fn open_to_others(address: &str) -> Option<&str> {
 /// Default time to wait for a client of `slcan:listen://`.
 pub const CLIENT: Duration = Duration::from_secs(10);
 
-/// The option for the time to wait for a client.
+/// The option for this time.
 #[derive(Clone, Copy, clap::Args)]
 pub struct ClientArg {
     /// How long to wait for a client, if the bus is slcan:listen://

@@ -12,7 +12,7 @@ use std::time::Instant;
 /// Default: some gateways take a minute and a half to restart.
 pub const RECONNECT: Duration = Duration::from_secs(120);
 
-/// The option for the time to wait for an interrupted bus.
+/// The option for this time.
 #[derive(Clone, Copy, clap::Args)]
 pub struct ReconnectArg {
     /// How long to wait for the bus after an interruption: an adapter is unplugged, a connection breaks, an interface

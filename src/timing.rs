@@ -46,7 +46,7 @@ impl Timeout {
     }
 }
 
-/// How long to wait for an interrupted bus, from the last value that sets it.
+/// The time to wait for an interrupted bus, from the last value that sets it.
 pub fn reconnect(timeouts: &[Timeout]) -> Duration {
     let is_it = |timeout: &&Timeout| matches!(timeout.what, What::Reconnect);
     timeouts.iter().rfind(is_it).map_or(RECONNECT, |timeout| timeout.span)

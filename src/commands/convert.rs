@@ -153,7 +153,7 @@ impl Conversion<'_> {
 
     fn chooses(&mut self, record: &Record, inputs: &Inputs<'_>) -> bool {
         let selection = self.selection;
-        // What a frame means may depend on all frames before it.
+        // The meaning of a frame may depend on all frames before it.
         let decoded = selection.needs_decoding().then(|| self.network.handle(record));
         self.range.contains(record.timestamp)
             && selection.has_channel(record, inputs)

@@ -190,7 +190,7 @@ impl OnBus {
         let exchange = Exchange { bus: live.bus.as_mut(), observe: &mut observe, ends: Timestamp::MAX };
         let mut master = Master { exchange, patience, json: self.json || matches!(self.format, TextOrJson::Json) };
         let acted = act(&mut master);
-        // Also after an error, no device may stay in configuration.
+        // No device may stay in configuration, even after an error.
         let left = master.tell(&WAITING);
         let status = acted?;
         left?;

@@ -1,4 +1,5 @@
-//! Reports are evidence: each tells where it comes from, and a simulated run is the same whenever it is made.
+//! Reports are evidence: each contains its provenance, and the report of a simulated run is the same whenever it is
+//! made.
 
 use crate::archive;
 use crate::running::{command, finished, run};
@@ -6,7 +7,7 @@ use serde_json::Value;
 
 const ENCODER: &str = "sim:kuebler-sendix-58x8";
 const FORMATS: [&str; 5] = ["table", "json", "junit", "html", "markdown"];
-/// `printf abc | sha256sum`.
+/// The SHA-256 of `abc`, from `printf abc | sha256sum`.
 const ABC: &str = "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad";
 
 fn json(text: &str) -> Value {
@@ -17,7 +18,7 @@ fn path(folder: &tempfile::TempDir, name: &str) -> String {
     folder.path().join(name).display().to_string()
 }
 
-/// Runs with a report in each format, and returns what they hold.
+/// Runs a command with a report in each format, and returns the contents of the reports.
 fn reported(folder: &tempfile::TempDir, args: &[&str]) -> Vec<String> {
     let files: Vec<String> = FORMATS.iter().map(|format| path(folder, &format!("report.{format}"))).collect();
     let reports: Vec<String> = FORMATS.iter().zip(&files).map(|(format, file)| format!("{format}={file}")).collect();
@@ -72,7 +73,7 @@ fn files_are_told_with_their_hash() {
     std::fs::write(&waivers, "").unwrap();
     let tested = run(&["test", ENCODER, "--select", "301/identity", "--waivers", &waivers, "--format", "json"]);
     let file = &json(&tested.stdout)["provenance"]["files"][0];
-    // Of nothing at all.
+    // The SHA-256 of an empty file.
     let empty = "e3b0c44298fc1c149afbf4c8996fb92427ae41e4649b934ca495991b7852b855";
     assert_eq!((&file["role"], &file["sha256"], &file["bytes"]), (&"waivers".into(), &empty.into(), &0.into()));
     let capture = path(&folder, "abc.log");
@@ -81,7 +82,7 @@ fn files_are_told_with_their_hash() {
     assert_eq!(json(&diagnosed.stdout)["provenance"]["files"][0]["sha256"], ABC, "{}", diagnosed.stderr);
 }
 
-/// Two runs differ in nothing, wherever their reports go; what differs when the clock is given is the date alone.
+/// Two runs have the same reports, wherever these are written; with a given date, only the date differs.
 #[test]
 fn simulated_runs_are_the_same_to_the_byte() {
     let folder = tempfile::tempdir().unwrap();
@@ -157,7 +158,7 @@ fn what_can_not_be_evidence_is_refused() {
     }
 }
 
-/// The verdict is the status whatever happens to standard output, in every format.
+/// The exit status tells the verdict whatever happens to standard output, in every format.
 #[test]
 fn nobody_reading_changes_no_verdict() {
     for format in FORMATS {

@@ -88,8 +88,8 @@ pub fn instructions() -> Result<()> {
     simulated_instructions()
 }
 
-/// The same for the examples that exchange SDO messages with simulated devices: `bus_speed` with one device, and a
-/// tenth as often with one of ten; `soak` fuzzes, with a fixed seed.
+/// Counts instructions of the examples that exchange SDO messages with simulated devices: `bus_speed` with one device,
+/// and a tenth as often with one of ten; `soak` fuzzes, with a fixed seed.
 fn simulated_instructions() -> Result<()> {
     build_examples()?;
     println!("\ninstructions per exchange on the simulated bus");

@@ -11,7 +11,7 @@ use std::fs;
 const FOLDER: &str = "target/bench/descriptions";
 /// Number of files, and of objects in each.
 const CHECKED: (u32, u32) = (1_000, 500);
-/// How many objects the file has that the editor opens.
+/// Number of objects in the file that the editor opens.
 const LARGE: u32 = 10_000;
 
 /// Checks many files, and edits a large one: without findings, and with thousands.

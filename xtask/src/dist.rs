@@ -194,8 +194,8 @@ fn page() -> Result<Vec<String>> {
     Ok(vec![zipped, file])
 }
 
-/// Packs a folder; gives the name of the archive. The same files make the same bytes: all are of the first day that such
-/// archives know, without their owners.
+/// Packs a folder; returns the name of the archive. The same files give the same bytes: all dates are the first day
+/// that such archives know, and owners are omitted.
 fn zip(folder: &str) -> Result<String> {
     let file = format!("{folder}.zip");
     let script =

@@ -8,9 +8,9 @@ mod readers;
 use crate::run::{cargo, run, target_folder};
 use anyhow::{Context, Result, anyhow, ensure};
 
-/// Its manifest.
+/// The manifest of the fleet workspace.
 const MANIFEST: &str = "fleet/Cargo.toml";
-/// The folder of its built programs.
+/// The folder of the built programs.
 const TARGET: &str = "fleet/target";
 
 /// Builds and tests.
@@ -18,7 +18,7 @@ const TARGET: &str = "fleet/target";
 /// # Errors
 /// If a program is missing, or a check fails.
 pub fn test() -> Result<()> {
-    // Its answers are compared with those of the program, built as in CI, so that the crates are shared.
+    // The tests compare answers with those of `canvass`, built as in CI so that the crates are shared.
     run("cargo", &["build", "--workspace", "--locked"])?;
     step()
 }

@@ -10,7 +10,7 @@ use std::sync::Mutex;
 /// Default duration of each target, in seconds.
 pub const USUAL: u32 = 15;
 
-/// Where the targets stand. `fuzz`, where cargo-fuzz looks without being told, would be taken for the fuzzer of devices.
+/// The folder of the targets. cargo-fuzz's default name `fuzz` would be mistaken for the fuzzer of devices.
 const FOLDER: &str = "fuzz-targets";
 
 /// The target that runs twice as long, as descriptions have many more paths.
@@ -35,7 +35,7 @@ fn seeds(target: &str) -> &'static [&'static str] {
     }
 }
 
-/// Runs every target for that many seconds. The sanitizers need a nightly toolchain; without one only the property
+/// Runs every target for `seconds` seconds. The sanitizers need a nightly toolchain; without one only the property
 /// tests remain, which every test run includes.
 pub fn fuzz(seconds: u32) -> Result<()> {
     if !is_there("cargo", &["+nightly", "--version"]) {

@@ -1,18 +1,30 @@
-//! `cargo xtask test`: what is worth running after each change. `cargo xtask docs`: the book. `cargo xtask ci`: everything that must pass; with
-//! `--install` it installs what is missing for that, as do all others. `cargo xtask nightly`: what takes longer. `cargo xtask peers`: of these, the tests that
-//! exchange captures with other people's programs. `cargo xtask browser`: those that show the pages in Chromium. `cargo xtask fleet`: the workspace in `fleet`, with other readers of a lake. `cargo
-//! xtask bench`: how fast canvass is, beside its peers; `--instructions` counts instead what a frame costs. `cargo xtask
-//! memory`: what it needs for captures of gigabytes. `cargo xtask storm`: ten million random frames for each simulated
-//! device. `cargo xtask attack`: changed files and rogue adapters, through every command. `cargo xtask rooms`: whether the folders of the crates use each other in one direction only. `cargo xtask
-//! incidents`: what the diagnosis names first in a thousand
-//! networks with one fault each, and in a thousand healthy ones. `cargo xtask worst`: what the traffic that costs most costs,
-//! beside the usual one. `cargo xtask flaky`: how many verdicts change while other work keeps this machine busy. `cargo xtask
-//! screenshot`: the pictures in `docs`. `cargo xtask mutants`: how many random mutants of the simulated devices
-//! the suite and the fuzzer find; with `--tests`, how many of a crate its own tests find. `cargo xtask
-//! as-found`: whether a run, complete, interrupted or killed, leaves the simulated devices as it found them. `cargo
-//! xtask web`: the page with the decoder as WebAssembly; `web-test` tries it, `web-bench` measures it. `cargo xtask windows`:
-//! the program for Windows, and its tests by Wine. `cargo xtask dist`: what is given away: a static program as archive and as
-//! Debian package, the one for Windows, the page.
+//! The tasks of the project. With `--install`, a task installs missing programs.
+//!
+//! - `cargo xtask test`: checks for each change;
+//! - `cargo xtask ci`: everything that must pass;
+//! - `cargo xtask nightly`: longer checks;
+//! - `cargo xtask docs`: the book;
+//! - `cargo xtask peers`: tests that exchange captures with other people's programs;
+//! - `cargo xtask browser`: tests that show the pages in Chromium;
+//! - `cargo xtask fleet`: the workspace in `fleet`, with other readers of a lake;
+//! - `cargo xtask bench`: the speed of canvass beside its peers; with `--instructions`, the instructions per frame;
+//! - `cargo xtask memory`: the memory for captures of gigabytes;
+//! - `cargo xtask storm`: ten million random frames for each simulated device;
+//! - `cargo xtask attack`: changed files and misbehaving adapters, through every command;
+//! - `cargo xtask rooms`: whether the folders of the crates use each other in one direction only;
+//! - `cargo xtask incidents`: the finding that the diagnosis names first in each of a thousand networks with one fault,
+//!   and in a thousand healthy ones;
+//! - `cargo xtask worst`: the cost of the most expensive traffic, beside usual traffic;
+//! - `cargo xtask flaky`: the number of verdicts that change while other work keeps this machine busy;
+//! - `cargo xtask screenshot`: the pictures in `docs`;
+//! - `cargo xtask mutants`: how many random mutants of the simulated devices the suite and the fuzzer find; with
+//!   `--tests`, how many mutants of a crate its own tests find;
+//! - `cargo xtask as-found`: whether a run, complete, interrupted or killed, leaves the simulated devices as it found
+//!   them;
+//! - `cargo xtask web`: the page with the decoder as WebAssembly; `web-test` tests it, `web-bench` measures it;
+//! - `cargo xtask windows`: the program for Windows, and its tests by Wine;
+//! - `cargo xtask dist`: the release files: a static program as archive and as Debian package, the program for Windows,
+//!   the page.
 
 mod as_found;
 mod attack;

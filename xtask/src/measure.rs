@@ -15,7 +15,7 @@ pub const RUNS: usize = 3;
 const TIME_PATH: &str = "/usr/bin/time";
 const RESULT: &str = "target/bench/time";
 
-/// What a run of a program cost.
+/// The cost of running a program.
 #[derive(Clone, Copy)]
 pub struct Cost {
     /// Seconds on all processors; other programs on the machine affect it little.
@@ -24,7 +24,7 @@ pub struct Cost {
     pub memory: u64,
 }
 
-/// Runs a program on that input, and discards its output.
+/// Runs a program on this input, and discards its output.
 pub fn cost(command: &[&str], input: Stdio) -> Result<Cost> {
     let before = of_children()?;
     let status = Command::new(TIME_PATH)
@@ -42,8 +42,8 @@ pub fn cost(command: &[&str], input: Stdio) -> Result<Cost> {
     Ok(Cost { cpu, memory })
 }
 
-/// Seconds of all ended child programs on all processors. GNU time itself rounds to hundredths, and takes less than
-/// one.
+/// Processor seconds of all ended child programs. GNU time rounds to hundredths; it takes less than one hundredth
+/// itself.
 fn of_children() -> Result<f64> {
     let usage = getrusage(UsageWho::RUSAGE_CHILDREN)?;
     Ok((usage.user_time() + usage.system_time()).num_microseconds() as f64 / 1e6)
@@ -62,7 +62,7 @@ pub fn machine() -> String {
     format!("{}, {cores} cores", model.trim_start_matches(['\t', ':', ' ']))
 }
 
-/// The best of several runs.
+/// The lowest cost of several runs.
 pub fn best(command: &[&str], input: Option<&str>) -> Result<Cost> {
     best_of(RUNS, command, input)
 }

@@ -7,7 +7,7 @@ use anyhow::{Result, ensure};
 use std::fs;
 use std::process::{Command, Stdio};
 
-/// Limit in KiB.
+/// Limit of the memory in KiB.
 const MOST: u64 = 64 * 1024;
 
 /// A kind of capture.
@@ -20,12 +20,12 @@ struct CaptureKind {
 
 const KINDS: [CaptureKind; 3] = [
     CaptureKind { format: "candump", size: "10 M frames", frames: "10000000", commands: &DECODERS },
-    // A line has 43.3 bytes on average, a message 83.0.
+    // A line of candump has 43.3 bytes on average, a message of MCAP 83.0.
     CaptureKind { format: "candump", size: "2 GB", frames: "46200000", commands: &COMMANDS },
     CaptureKind { format: "mcap", size: "1 GB", frames: "12100000", commands: &COMMANDS },
 ];
 
-/// Commands that keep the state of the bus.
+/// Commands that decode, and so keep the state of the bus.
 const DECODERS: [&[&str]; 6] = [
     &["decode", "--format", "text", "-"],
     &["decode", "--format", "json", "-"],
@@ -35,7 +35,7 @@ const DECODERS: [&[&str]; 6] = [
     &["diagnose", "--fail-on", "never", "-"],
 ];
 
-/// Files of MCAP have chunks, an index and compression; pipes are written live.
+/// Commands for large captures. MCAP is written into a file, with chunks, index and compression, and live into a pipe.
 const COMMANDS: [&[&str]; 5] = [
     &["decode", "-"],
     &["diagnose", "--fail-on", "never", "-"],

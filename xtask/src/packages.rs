@@ -4,17 +4,17 @@ use crate::consent;
 use crate::run::{is_there, run};
 use anyhow::{Result, bail};
 
-/// A program and the Debian package that brings it.
+/// A program and the Debian package that contains it.
 pub struct Package {
-    /// The program, and how to ask whether it works.
+    /// The name of the program.
     pub program: &'static str,
-    /// Arguments with which it does nothing but show that it works.
+    /// Arguments with which the program only shows that it works.
     pub probe: &'static [&'static str],
-    /// The package.
+    /// The name of the package.
     pub package: &'static str,
 }
 
-/// Installs what is missing, with apt-get (and sudo where that is needed).
+/// Installs missing packages with apt-get (and sudo if needed).
 pub fn install(packages: &[Package]) -> Result<()> {
     let missing: Vec<_> = packages.iter().filter(|p| !is_there(p.program, p.probe)).map(|p| p.package).collect();
     if missing.is_empty() {

@@ -1,4 +1,4 @@
-//! Other people's programs, with which the tests exchange captures and the benchmarks compare.
+//! Other people's programs, for tests that exchange captures and for benchmarks.
 
 use crate::consent;
 use crate::packages::{Package, install};
@@ -7,7 +7,7 @@ use crate::venv::Venv;
 use anyhow::Result;
 use std::fs;
 
-/// Where the Python libraries are; the tests know this place.
+/// The Python with the libraries; the tests use the same path.
 pub const PYTHON: &str = "target/peers-venv/bin/python";
 const VENV: Venv = Venv {
     folder: "target/peers-venv",
@@ -17,17 +17,17 @@ const VENV: Venv = Venv {
 };
 
 const TSHARK: Package = Package { program: "tshark", probe: &["--version"], package: "tshark" };
-/// It reads its standard input, which is empty here.
+/// The probe reads standard input, which is empty here.
 const CAN_UTILS: Package = Package { program: "log2long", probe: &[], package: "can-utils" };
-/// Holds XML against a schema.
+/// The validator of XML documents.
 const XMLLINT: Package = Package { program: "xmllint", probe: &["--version"], package: "libxml2-utils" };
 
 const NODE: Package = Package { program: "node", probe: &["--version"], package: "nodejs" };
 const NPM: Package = Package { program: "npm", probe: &["--version"], package: "npm" };
-/// The extension for Visual Studio Code, and what npm installs for it.
+/// The folder of the extension for Visual Studio Code, where npm installs its packages.
 const EXTENSION: &str = "editors/vscode";
 
-/// Installs tshark, can-utils, xmllint, a Python environment with what the tests' requirements name, and what the extension needs.
+/// Installs tshark, can-utils, xmllint, the Python environment of the tests, and the packages of the extension.
 pub fn install_all() -> Result<()> {
     install(&[TSHARK, CAN_UTILS, XMLLINT, NODE, NPM])?;
     extension()?;
@@ -39,7 +39,7 @@ pub fn install_python() -> Result<()> {
     VENV.install()
 }
 
-/// Installs what the lock file of the extension names.
+/// Installs the packages in the lock file of the extension.
 fn extension() -> Result<()> {
     let library = format!("{EXTENSION}/node_modules/vscode-languageclient/package.json");
     let lock = format!("{EXTENSION}/package-lock.json");
@@ -53,7 +53,7 @@ fn extension() -> Result<()> {
     run("npm", &npm)
 }
 
-/// Runs the tests that need them.
+/// Runs the tests that need these programs.
 pub fn test() -> Result<()> {
     install_all()?;
     run("cargo", &["test", "--locked", "--features", "peers", "--test", "peers"])

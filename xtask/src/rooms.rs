@@ -1,9 +1,9 @@
-//! `cargo xtask rooms`: whether the folders of each crate use each other in one direction only, and whether the core names no
-//! device profile and no manufacturer.
+//! `cargo xtask rooms`: checks that the folders of each crate use each other in one direction only, and that the core
+//! names no device profile and no manufacturer.
 //!
-//! What a file uses is read from its imports and its paths; what a module passes on by `pub use` counts as used from
-//! where it is. At each level of a crate, two folders that use each other, or a folder and a file beside it, are a
-//! circle, directly or by way of others. Files of one folder may use each other. Tests are not looked at.
+//! Imports and paths tell what a file uses; an item that a module re-exports by `pub use` counts as used from its own
+//! place. At each level of a crate, two folders that use each other, or a folder and a file beside it, form a circle,
+//! directly or through others. Files of one folder may use each other. Tests are not examined.
 
 mod circles;
 mod imports;
@@ -28,7 +28,7 @@ const CRATES: [&str; 10] = [
     "xtask",
 ];
 
-/// Checks the crates that are named, or all of [`CRATES`].
+/// Checks the named crates, or all of [`CRATES`].
 pub fn rooms(named: &[String]) -> Result<()> {
     let named = named.iter().map(String::as_str);
     let all: Vec<&str> = if named.len() == 0 { CRATES.to_vec() } else { named.collect() };
@@ -56,7 +56,7 @@ pub fn rooms(named: &[String]) -> Result<()> {
     Ok(())
 }
 
-/// The circles of the crate in that folder, in words.
+/// The circles of the crate in this folder, as text.
 fn circles(folder: &Path) -> Result<Vec<String>> {
     let read = Crate::read(&folder.join("src")).with_context(|| format!("the crate in {}", folder.display()))?;
     Ok(circles::of(&read))

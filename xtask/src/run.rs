@@ -14,8 +14,8 @@ pub fn run(program: &str, args: &[&str]) -> Result<()> {
     Ok(())
 }
 
-/// A call of cargo for another workspace: as if it had been typed, and not within this one's. Build scripts that look at such
-/// variables would have everything built anew whenever the one follows the other.
+/// A call of cargo for another workspace, without the variables of this cargo: build scripts that depend on them would
+/// rebuild everything at each change between the two.
 pub fn cargo() -> Command {
     let mut cargo = Command::new("cargo");
     let of_cargo = |name: &str| {
@@ -29,23 +29,24 @@ pub fn cargo() -> Command {
     cargo
 }
 
-/// Where cargo builds: another folder than `target` if its variable names one.
+/// The build folder of cargo: `target`, or the folder in its variable.
 pub fn target_folder() -> PathBuf {
     std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| PathBuf::from("target"), PathBuf::from)
 }
 
-/// Whether a program is there and answers `--version`.
+/// Whether a program can be run with these arguments.
 pub fn is_there(program: &str, args: &[&str]) -> bool {
     Command::new(program).args(args).output().is_ok_and(|output| output.status.success())
 }
 
-/// This program. The kernel marks the path of one that was built anew since it began; the new one will do.
+/// The path of this program. The kernel marks the path of a program that was rebuilt while it runs; the new program is
+/// used then.
 pub fn this_program() -> Result<PathBuf> {
     let path = std::env::current_exe()?;
     Ok(path.to_string_lossy().trim_end_matches(" (deleted)").into())
 }
 
-/// A word for the shell, whatever is in it.
+/// A word quoted for the shell, whatever characters it has.
 pub fn quoted(word: &str) -> String {
     format!("'{}'", word.replace('\'', r"'\''"))
 }

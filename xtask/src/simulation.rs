@@ -1,11 +1,11 @@
-//! How fast simulated devices are.
+//! Measures the speed of simulated devices.
 
 use crate::measure::release;
 use crate::run::run;
 use anyhow::{Context, Result, bail};
 use std::process::{Command, Stdio};
 
-/// Exchanges with each model.
+/// Number of exchanges with each model.
 const FUZZED: &str = "500000";
 
 /// Builds, measures and prints: SDO exchanges with one device, fuzzing, and a day of a network.
@@ -28,13 +28,13 @@ pub fn simulation() -> Result<()> {
     Ok(())
 }
 
-/// Builds what exchanges frames with simulated devices.
+/// Builds the examples that exchange frames with simulated devices.
 pub fn build_examples() -> Result<()> {
     let packages = ["--package", "canvass-device", "--package", "canvass-fuzzer"];
     run("cargo", &[&["build", "--release", "--locked", "--examples"], &packages[..]].concat())
 }
 
-/// The frames, the seconds on the bus, and the nanoseconds that they took.
+/// The number of frames, the seconds on the bus, and the nanoseconds that the simulation took.
 fn day() -> Result<(f64, f64, f64)> {
     let mut command = Command::new(release("examples/network_day"));
     let output = command.stderr(Stdio::inherit()).output().with_context(|| format!("can't run {command:?}"))?;

@@ -1,10 +1,10 @@
-//! Ten million random frames for every simulated device, which must not come to harm.
+//! Ten million random frames for every simulated device, none of which may cause a panic.
 
 use crate::run::run;
 use anyhow::Result;
 
-/// Builds with all checks, and lets them loose. The arguments are those of `conformance/fuzz/examples/storm.rs`: frames, seed,
-/// models.
+/// Builds the example with all checks, and runs it. The arguments are those of `conformance/fuzz/examples/storm.rs`:
+/// frames, seed, models.
 pub fn storm() -> Result<()> {
     let arguments: Vec<String> = std::env::args().skip(2).collect();
     let mut command =

@@ -1,4 +1,4 @@
-//! Rust's libraries for other systems than this one.
+//! Rust's standard libraries for other systems.
 
 use crate::consent;
 use crate::run::run;
@@ -6,7 +6,7 @@ use anyhow::{Context, Result};
 use std::path::Path;
 use std::process::Command;
 
-/// Installs the library for that target, where it is not there.
+/// Installs the library for this target, unless it is installed.
 pub fn add(target: &str) -> Result<()> {
     let told =
         Command::new("rustc").args(["--print", "target-libdir", "--target", target]).output().context("rustc")?;

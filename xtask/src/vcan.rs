@@ -1,6 +1,6 @@
-//! `cargo xtask vcan [WORDS...]`: the tests on real SocketCAN, or those whose names hold one of the words, on this kernel if
-//! it has vcan, else on Debian's in QEMU; with `--without-nightly` those of CI. `cargo xtask vcan-load`: a minute of the highest load, measured there.
-//! `cargo xtask flaky --bus vcan` runs in the same machines.
+//! `cargo xtask vcan [WORDS...]`: the tests on real SocketCAN, or those whose names contain one of the words; with
+//! `--without-nightly` the tests of CI. They run on this kernel if it has vcan, else on Debian's kernel in QEMU. `cargo xtask
+//! vcan-load`: a minute of the highest load, measured there. `cargo xtask flaky --bus vcan` runs in the same machines.
 
 mod deal;
 mod files;
@@ -17,21 +17,22 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
-/// Where Debian's kernel and the way into it are.
+/// The folder for Debian's kernel and the archives for its machines.
 const FOLDER: &str = "target/vcan";
 const PROBE: &str = "canvassprobe";
-/// The test that `vcan-load` runs for a minute, and for how many seconds, as the test reads it.
+/// The test that `vcan-load` runs for a minute, and the variable with its seconds.
 const LOAD: &str = "load::nothing_is_lost";
 const MINUTE: (&str, &str) = ("CANVASS_LOAD_SECONDS", "60");
 
 const IPROUTE: Package = Package { program: "ip", probe: &["-V"], package: "iproute2" };
 
-/// A minute of the highest load takes a third of that.
+/// Time without output after which a machine with tests is ended. A minute of the highest load takes a third of it.
 const FOR_TESTS: Duration = Duration::from_secs(1_800);
-/// Runs on a machine that is busy all the time take three times as long as they say, and more where others work beside.
+/// The same time for runs on a busy machine, which take three times as long as their own time, and more beside other
+/// work.
 const FOR_RUNS: Duration = Duration::from_secs(4 * 3_600);
 
-/// What CI leaves to the night: models whose verdicts show nothing of SocketCAN that the other four models do not.
+/// The tests that CI leaves to the night: the verdicts of these models show nothing of SocketCAN that the other four models do not.
 const AT_NIGHT: [&str; 7] = [
     "verdicts::kuebler_c100",
     "verdicts::kuebler_d125",
@@ -42,20 +43,20 @@ const AT_NIGHT: [&str; 7] = [
     "verdicts::tr_lmp30",
 ];
 
-/// The packages that other tests optimise less.
+/// The packages that other tests build with less optimisation.
 const OPTIMISED: [&str; 7] = ["analyzer", "bus", "device", "fuzzer", "reports", "suite", "traces"];
 
-/// What a machine starts.
+/// The work of a machine.
 struct Job {
-    /// The program.
+    /// The program under test.
     program: PathBuf,
-    /// What is started again and again: the tests.
+    /// The program to start repeatedly: the tests.
     starts: PathBuf,
-    /// Its arguments before and after a test's name.
+    /// The arguments of `starts` before and after a test's name.
     arguments: [String; 2],
-    /// Whether that needs other people's programs, and Python.
+    /// Whether the tests need other people's programs, and Python.
     needs_peers: bool,
-    /// A machine that has said nothing for this long is given up.
+    /// Time without output after which a machine is ended.
     patience: Duration,
 }
 
@@ -69,7 +70,7 @@ pub fn by_day() -> Result<()> {
     run(&job, &names, &[])
 }
 
-/// Runs the tests of `tests/vcan` whose names hold one of the words, or all.
+/// Runs the tests of `tests/vcan` whose names contain one of the words, or all.
 pub fn test(words: &[String]) -> Result<()> {
     if words == ["--without-nightly"] {
         return by_day();
@@ -86,7 +87,7 @@ pub fn load() -> Result<()> {
     run(&prepare()?, &[LOAD.to_owned()], &[MINUTE])
 }
 
-/// Runs this program with those arguments on so many machines with vcan, on each of them.
+/// Runs this program with these arguments on each of `machines` machines with vcan.
 ///
 /// # Errors
 /// If a machine can't be started, or the program fails.
@@ -102,10 +103,10 @@ fn prepare() -> Result<Job> {
     build()
 }
 
-/// Installs what the tests need, and QEMU where this kernel has no vcan.
+/// Installs the programs for the tests, and QEMU if this kernel has no vcan.
 ///
 /// # Errors
-/// If something can't be had.
+/// If a program can't be installed.
 pub fn install_all() -> Result<()> {
     install(&[IPROUTE])?;
     peers::install_all()?;
@@ -115,7 +116,7 @@ pub fn install_all() -> Result<()> {
 fn run(job: &Job, names: &[String], settings: &[(&str, &str)]) -> Result<()> {
     if has_vcan() {
         eprintln!("$ {} (this kernel has vcan)", job.starts.display());
-        // They mostly wait.
+        // More threads than processors, as the tests mostly wait.
         let mut tests = Command::new(&job.starts);
         tests.args(["--test-threads", "16", "--exact"]).args(names).envs(settings.iter().copied());
         let status = tests.status()?;
@@ -133,14 +134,14 @@ pub fn program() -> Result<PathBuf> {
 /// Builds the program and its tests.
 fn build() -> Result<Job> {
     let mut cargo = Command::new("cargo");
-    // An emulated processor is slow. What others wrote is optimised in any case, and need not be built once more.
+    // An emulated processor is slow. Third-party crates are optimised in any case, and need no further build.
     cargo.env("CARGO_PROFILE_DEV_OPT_LEVEL", "3");
     for package in OPTIMISED {
         cargo.args(["--config", &format!("profile.dev.package.canvass-{package}.opt-level=3")]);
     }
     let args = ["test", "--locked", "--features", "vcan", "--test", "vcan", "--no-run"];
     let tests = compile(&mut cargo, &args)?.tests.pop().context("cargo names no test to run")?;
-    // The tests start the program that lies there.
+    // The tests start the program in this folder.
     let program = tests.parent().and_then(Path::parent).context("the tests have no folder")?.join("canvass");
     let arguments = ["--test-threads 1 --nocapture --exact".to_owned(), String::new()];
     Ok(Job { program, starts: tests, arguments, needs_peers: true, patience: FOR_TESTS })

@@ -1,4 +1,4 @@
-//! Environments of Python with what a list of requirements names.
+//! Python environments with the packages of a requirements file.
 
 use crate::consent;
 use crate::packages::{Package, install};
@@ -10,26 +10,26 @@ use std::fs;
 const VENV_MODULE: Package =
     Package { program: "python3", probe: &["-c", "import ensurepip, venv"], package: "python3-venv" };
 
-/// An environment.
+/// A Python environment.
 pub struct Venv {
-    /// Its folder.
+    /// The folder of the environment.
     pub folder: &'static str,
-    /// Its Python, in that folder.
+    /// The Python interpreter in this folder.
     pub python: &'static str,
-    /// The file that names what is in it.
+    /// The requirements file.
     pub requirements: &'static str,
-    /// A statement that works where all of it is there.
+    /// A statement that works only if all packages are installed.
     pub probe: &'static str,
 }
 
 impl Venv {
-    /// Makes it, unless it is there and as its requirements say.
+    /// Makes the environment, unless it exists and matches its requirements.
     ///
     /// # Errors
-    /// If it may not be made, or something can't be installed.
+    /// If there is no permission to make it, or a package can't be installed.
     pub fn install(&self) -> Result<()> {
         let wanted = fs::read_to_string(self.requirements)?;
-        // The requirements that the environment was made for.
+        // A copy of the requirements from which the environment was made.
         let kept = format!("{}/requirements.txt", self.folder);
         let is_installed = fs::read_to_string(&kept).is_ok_and(|installed| installed == wanted);
         if is_installed && is_there(self.python, &["-c", self.probe]) {

@@ -1,4 +1,4 @@
-//! What traffic costs that costs as much as any: beside the usual one, in time for each frame and in memory.
+//! Measures the most expensive traffic: time for each frame beside usual traffic, and memory.
 
 use crate::bench::build;
 use crate::measure::{TIME, best, machine, release};
@@ -7,7 +7,7 @@ use anyhow::{Result, ensure};
 use std::fs::{self, File};
 use std::process::Command;
 
-/// The kinds of `traces/examples/worst.rs`, with how many frames of each, and how many MiB they may take.
+/// The kinds of `traces/examples/worst.rs`, with the number of frames, and the limit of memory in MiB.
 const KINDS: [(&str, u32, Option<f64>); 11] = [
     ("boot-ups", 200_000, BOUND),
     ("reboots", 1_000_000, BOUND),
@@ -18,7 +18,7 @@ const KINDS: [(&str, u32, Option<f64>); 11] = [
     ("cob-ids", 300_000, BOUND),
     ("cobs-64", 300_000, BOUND),
     ("consumers", 300_000, BOUND),
-    // Memory is promised for 64 channels.
+    // The limit of memory holds for up to 64 channels.
     ("channels", 3_000_000, None),
     ("identifiers", 3_000_000, BOUND),
 ];
@@ -28,10 +28,10 @@ const TIMES: f64 = 20.0;
 const USUAL: u32 = 300_000;
 const COMMANDS: [&[&str]; 2] = [&["diagnose", "--fail-on", "never"], &["decode"]];
 
-/// Prints what a frame of each kind costs, and how many usual ones that is.
+/// Prints the cost of a frame of each kind, and its multiple of a usual frame.
 ///
 /// # Errors
-/// If one costs more than twenty usual ones, or takes 128 MiB on up to 64 channels.
+/// If a frame costs more than twenty usual ones, or a kind takes 128 MiB on up to 64 channels.
 pub fn worst() -> Result<()> {
     install(&[TIME])?;
     build()?;
@@ -61,7 +61,7 @@ fn print(kind: &str, frames: u32, command: &[&str], (nanos, times, mib): (f64, f
     println!("{kind:12} {frames:>9}  {command:8} {nanos:>9.0} {times:>7.1} {mib:>7.1}");
 }
 
-/// Makes a capture by an example of the crate of traces.
+/// Makes a capture by an example of canvass-traces.
 fn made(example: &str, kind: &str, frames: u32) -> Result<String> {
     let path = format!("target/bench/{example}-{kind}-{frames}.log");
     let out = File::create(&path)?;
@@ -71,7 +71,7 @@ fn made(example: &str, kind: &str, frames: u32) -> Result<String> {
     Ok(path)
 }
 
-/// Nanoseconds of the processor for each frame, and MiB.
+/// Nanoseconds of processor time for each frame, and memory in MiB.
 fn measured(command: &[&str], path: &str, frames: u32) -> Result<(f64, f64)> {
     let cost = best(&[&[&*release("canvass")], command, &[path]].concat(), None)?;
     Ok((cost.cpu / f64::from(frames) * 1e9, cost.memory as f64 / 1024.0))

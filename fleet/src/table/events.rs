@@ -18,7 +18,7 @@ pub struct EventRow<'a> {
     pub capture: &'a str,
     /// The frame that caused the event, and its bus.
     pub scene: &'a Scene<'a>,
-    /// What happened.
+    /// The event, open transfer or comment.
     pub what: What<'a>,
 }
 

@@ -27,7 +27,7 @@ pub struct CaseChoice {
     shard: Option<Shard>,
 }
 
-/// One of `of` parts.
+/// A part of all cases, which are divided into `of` parts.
 #[derive(Clone, Copy, Debug)]
 struct Shard {
     /// Number of the part, from 1.

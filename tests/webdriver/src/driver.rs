@@ -46,7 +46,7 @@ impl Drop for Driver {
 fn port(driver: &mut Child) -> Option<u16> {
     let mut lines = BufReader::new(driver.stdout.take()?).lines().map_while(Result::ok);
     let port = lines.by_ref().find_map(|line| told(&line));
-    // Its later lines must be read, or the process would block.
+    // The later lines of chromedriver must be read, or the process would block.
     std::thread::spawn(move || lines.for_each(drop));
     port
 }

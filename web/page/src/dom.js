@@ -1,6 +1,6 @@
 // Elements. Content of files is only ever set as text.
 
-/** An element with attributes, listeners (`on…`) and children; strings become text. */
+/** Makes an element with attributes, listeners (`on…`) and children; strings become text. */
 export function element(name, attributes = {}, ...children) {
   const made = document.createElement(name);
   for (const [key, value] of Object.entries(attributes)) {
@@ -17,7 +17,7 @@ export const byId = (id) => document.getElementById(id);
 /** A button; `more` are its other attributes. */
 export const button = (name, act, more = {}) => element("button", { type: "button", onclick: act, ...more }, name);
 
-/** A view that has nothing to show says what it needs. */
+/** The text of a view without content, which says what the view needs. */
 export const welcome = (...lines) => element("div", { class: "welcome" }, lines.map((line) => element("p", {}, line)));
 
 /** A table with the names of its columns; rows are lists of texts, or elements made already. */
@@ -27,13 +27,13 @@ export function table(columns, rows, more = {}) {
   return element("div", { class: "scroll" }, element("table", more, element("thead", {}, head), element("tbody", {}, body)));
 }
 
-/** Names and values, without those that have none. */
+/** A list of names and values, without names that have no value. */
 export function facts(rows) {
   const shown = rows.filter(([, value]) => value !== null && value !== undefined && value !== "");
   return element("dl", {}, shown.flatMap(([name, value]) => [element("dt", {}, name), element("dd", {}, String(value))]));
 }
 
-/** Offers a file to be saved. */
+/** Offers a file for saving. */
 export function save(name, content, type = "application/octet-stream") {
   const blob = content instanceof Blob ? content : new Blob([content], { type });
   const url = URL.createObjectURL(blob);
@@ -41,7 +41,7 @@ export function save(name, content, type = "application/octet-stream") {
   setTimeout(() => URL.revokeObjectURL(url), 60_000);
 }
 
-/** A page of a report, in a frame that reaches nothing around it, in the colours of this page. */
+/** A page of a report in a frame, which has no access to this page and shares its colours. */
 export function frame(title, html) {
   const url = URL.createObjectURL(new Blob([html], { type: "text/html" }));
   const shown = element("iframe", { title, sandbox: "allow-scripts", src: url });
@@ -50,7 +50,7 @@ export function frame(title, html) {
   return shown;
 }
 
-/** The colours that were chosen; none: those of the system. */
+/** The colours that the user chose; empty: those of the system. */
 let colours = "";
 
 /** Sets the colours of the page and of the reports in it. */
@@ -60,7 +60,7 @@ export function setColours(chosen) {
   document.querySelectorAll("iframe").forEach(paint);
 }
 
-/** What is in a frame has no origin that could be named; there is no secret in it. */
+/** The content of the frame has no origin that could be named here; the message holds no secret. */
 const paint = (shown) => shown.contentWindow?.postMessage({ theme: colours }, "*");
 
 /** Numbers with thin spaces between thousands. */

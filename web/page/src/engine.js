@@ -1,6 +1,6 @@
 // The page's side of the worker: each call is a promise.
 
-/** Makes the worker of what stands in the page: nothing is loaded. */
+/** Starts the worker from the script in the page: nothing is loaded. */
 export async function start(onStopped) {
   const script = document.getElementById("worker").textContent;
   const url = URL.createObjectURL(new Blob([script], { type: "text/javascript" }));
@@ -9,7 +9,7 @@ export async function start(onStopped) {
   return engine;
 }
 
-/** The WebAssembly, packed by gzip, in letters. */
+/** The WebAssembly, from base64 text compressed by gzip. */
 async function module() {
   const text = document.getElementById("wasm").textContent.trim();
   const packed = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
@@ -36,14 +36,14 @@ class Engine {
     this.formats = formats;
   }
 
-  /** Another worker with the same program, for what runs to its end at once. */
+  /** Another worker with the same program, for work that does not answer until its end. */
   async sibling(onStopped) {
     const other = new Engine(this.url, this.module, onStopped);
     await other.begin();
     return other;
   }
 
-  /** Ends all that is under way, and begins anew. */
+  /** Ends all work in progress, and starts the worker again. */
   async restart() {
     this.#worker.terminate();
     this.#waiting.forEach(({ reject }) => reject(new Error("stopped")));
@@ -51,7 +51,7 @@ class Engine {
     await this.begin();
   }
 
-  /** Calls it with those arguments; what is in `moved` is not copied. */
+  /** Calls a function of the worker with these arguments; the objects in `moved` are transferred, not copied. */
   call(call, args = {}, progress = () => {}, moved = []) {
     const id = this.#next++;
     return new Promise((resolve, reject) => {
@@ -71,7 +71,7 @@ class Engine {
   }
 }
 
-/** What a report says of where it was made. */
+/** The surroundings in which a report is made. */
 function surroundings() {
   const now = new Date();
   const minutes = -now.getTimezoneOffset();

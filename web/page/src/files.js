@@ -3,24 +3,24 @@
 // of the page.
 
 const reader = new FileReaderSync();
-/** Pieces of one file; and the bytes of those of all files. */
+/** Number of pieces of one file, and number of bytes in the pieces of all files. */
 const PIECES = 4;
 const MOST = 16 << 20;
-/** The bytes of a piece. */
+/** Maximum and minimum number of bytes in a piece. */
 const LONGEST = 1 << 20;
 const SHORTEST = 64 << 10;
 
 let files = [];
-/** Bytes that are read as if they were files. */
+/** Bytes that are read in place of files, by their numbers. */
 const lent = new Map();
-/** The worker that hashes what is read of the present choice; null while there is none. */
+/** The worker that hashes the files of the current choice; null if there is none. */
 let hasher = null;
-/** The one that will hash the next. */
+/** The worker that will hash the files of the next choice. */
 let offered = null;
 let choice = 0;
 let hashed = () => {};
 
-/** Of the next choice on, pieces that were read go there, and come back; if there is no port, from now on to nobody. */
+/** From the next choice on, read pieces go to this port and their buffers come back; without one, hashing ends now. */
 export function hashBy(port) {
   offered = port;
   if (!port) {
@@ -35,7 +35,7 @@ export function hashBy(port) {
   };
 }
 
-/** Other files are read from now on; the number of that choice. */
+/** Replaces the files to read; returns the number of this choice. */
 export function choose(captures) {
   files.forEach((file) => file.close());
   choice++;
@@ -48,47 +48,47 @@ export function choose(captures) {
   return choice;
 }
 
-/** Whether others are read than those that were chosen with that number. */
+/** Whether other files have replaced the choice with this number. */
 export const gone = (number) => number !== choice;
 
-/** Whether another worker hashes what is read. */
+/** Whether another worker hashes the files. */
 export const areHashed = () => hasher !== null;
 
 /** Resolves when the decoder can go on. */
 export const ready = () => Promise.all(files.map((file) => file.ready()));
 
-/** The decoder has read all that it wants: the hashes of the files, null of one that can't be read; null without a hasher. */
+/** Ends reading; the hashes of the files, null for an unreadable file; null without a hasher. */
 export function hashes() {
   files.forEach((file) => file.close());
   hasher?.postMessage({ choice });
   return hasher ? new Promise((resolve) => (hashed = resolve)) : null;
 }
 
-/** Bytes are read as if they were the file of that number; without bytes, no more. */
+/** Lends bytes in place of the file with this number; without bytes, the loan ends. */
 export function lend(number, bytes) {
   if (bytes) lent.set(number, bytes);
   else lent.delete(number);
 }
 
-/** Puts bytes of a file into a buffer; how many. */
+/** Copies bytes of a file into a buffer; returns their number. */
 export function read(number, at, buffer) {
   const part = lent.get(number)?.subarray(at, at + buffer.length) ?? files[number].part(at, buffer.length);
   buffer.set(part);
   return part.length;
 }
 
-/** A piece of a file at once. */
+/** Reads a piece of a file at once. */
 const pieceOf = (file, at, length) => new Uint8Array(reader.readAsArrayBuffer(file.slice(at, at + length)));
 
 /** A file that is read ahead. */
 class Chosen {
   #pieces = [];
-  /** What was not there when it was needed. */
+  /** The last piece that was needed before it was read ahead. */
   #missed = null;
   #free;
   #ended = false;
   #freed = () => {};
-  /** When more is there, and who tells that. */
+  /** A promise for the next piece, and the function that fulfils it. */
   #coming = null;
   #came = () => {};
 
@@ -99,7 +99,7 @@ class Chosen {
     this.#fill().catch(() => {}).then(() => this.#end());
   }
 
-  /** Reads it to its end, as far as there is memory free. */
+  /** Reads the file to its end, as far as buffers are free. */
   async #fill() {
     const stream = this.file.stream().getReader({ mode: "byob" });
     try {
@@ -117,7 +117,7 @@ class Chosen {
     }
   }
 
-  /** Resolves when half of the pieces are there, or all that come: enough for a step of the decoder. */
+  /** Resolves when half of the pieces are read, or all that the file has: enough for a step of the decoder. */
   async ready() {
     while (!this.#ended && this.#pieces.length < PIECES / 2) {
       this.#coming ??= new Promise((resolve) => (this.#came = resolve));
@@ -135,19 +135,19 @@ class Chosen {
     return piece.bytes.subarray(at - piece.from, at - piece.from + length);
   }
 
-  /** A piece need not be read a second time to be hashed. */
+  /** Passes a piece to the hasher, which then need not read it a second time. */
   #done({ from, bytes }) {
     if (hasher) hasher.postMessage({ choice, number: this.number, from, bytes }, [bytes.buffer]);
     else this.back(bytes.buffer);
   }
 
-  /** That memory is free again. */
+  /** Takes a buffer back. */
   back(buffer) {
     this.#free.push(buffer);
     this.#freed();
   }
 
-  /** What was handed over does not come back. */
+  /** Replaces the buffers that the hasher will not return. */
   lost() {
     for (let more = this.#free.length + this.#pieces.length + 1; more < PIECES; more++) this.back(new ArrayBuffer(this.length));
   }
@@ -163,7 +163,7 @@ class Chosen {
     this.#came();
   }
 
-  /** Nothing more is read of it. */
+  /** Ends reading of this file. */
   close() {
     this.#end();
     this.#pieces.splice(0).forEach((piece) => this.#done(piece));
@@ -173,7 +173,7 @@ class Chosen {
 
 const end = ({ from, bytes }) => from + bytes.length;
 
-/** Fills a buffer with what comes next of a stream that has so many bytes left. */
+/** Fills a buffer from a stream that has `left` bytes left. */
 async function filled(buffer, stream, left) {
   const most = Math.min(buffer.byteLength, left);
   for (let length = 0; ; ) {

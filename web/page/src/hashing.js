@@ -1,14 +1,15 @@
 // Hashes captures while another worker reads them, from the pieces that this worker has read.
 import { Hasher } from "canvass-wasm";
 
-/** What is read at once of what the other has left out. */
+/** Number of bytes of a piece, for parts of files that the other worker has not read. */
 const PIECE = 1 << 20;
 
 let chosen = { choice: null, files: [] };
 
 /**
- * Hashes what comes at that port, and gives the memory back: `captures`, then pieces, then a message without either, which
- * the hashes answer. `asked` is called with each choice of captures.
+ * Hashes captures for the worker at this port, which sends `captures`, then pieces, then a message without either.
+ * Pieces are sent back for reuse, and the last message is answered with the hashes. `asked` is called for each choice of
+ * captures.
  */
 export function hashFor(port, asked) {
   port.onmessage = async ({ data: { choice, captures, number, from, bytes } }) => {
@@ -48,7 +49,7 @@ function take(file, bytes) {
   file.at += bytes.length;
 }
 
-/** The hash of a whole file; null of one that can't be read, or is not wanted any more. */
+/** The hash of a whole file; null if the file can't be read, or is not wanted any more. */
 async function finish(one, isWanted) {
   const { file, hasher } = one;
   try {

@@ -4,11 +4,11 @@
 import { element } from "./dom.js";
 
 const ROW = 24;
-/** What the names of the columns take. */
+/** Height of the column names in pixels. */
 const HEAD = 28;
-/** The most pixels that every browser can scroll. */
+/** Maximum height in pixels that every browser can scroll. */
 const TALLEST = 8_000_000;
-/** Rows that are fetched at once, and how many such pieces are kept. */
+/** Number of rows that are fetched at once, and number of such pieces that are kept. */
 const PIECE = 128;
 const KEPT = 200;
 
@@ -19,10 +19,10 @@ export class List {
   #generation = 0;
   #rows = [];
   #drawn = false;
-  /** Rows in sight when the list was resized last. */
+  /** Number of visible rows at the last resize. */
   #before = 0;
 
-  /** `fetch(from, count)` gives rows, `draw(element, row)` shows one, `choose(row)` is told which is chosen. */
+  /** `fetch(from, count)` returns rows, `draw(element, row)` shows one, `choose(row)` gets the selected row. */
   constructor(root, { head, fetch, draw, choose, label }) {
     Object.assign(this, { root, fetch, draw, choose });
     this.at = 0;
@@ -51,7 +51,7 @@ export class List {
     return this.#length;
   }
 
-  /** The rows are others now. */
+  /** Replaces all rows. */
   reset(length) {
     this.#generation++;
     this.#pieces.clear();
@@ -60,7 +60,7 @@ export class List {
     this.#schedule();
   }
 
-  /** More rows have come. */
+  /** Adds further rows. */
   grow(length) {
     this.#length = length;
     this.root.setAttribute("aria-rowcount", length + 1);
@@ -70,7 +70,7 @@ export class List {
     this.#schedule();
   }
 
-  /** Brings a row into sight and chooses it; `why` is handed on to who is told. */
+  /** Scrolls to a row and selects it; `why` is passed on to `choose`. */
   go(at, why) {
     if (this.#length === 0) return;
     this.at = Math.max(0, Math.min(at, this.#length - 1));
@@ -80,7 +80,7 @@ export class List {
     this.#row(this.at).then((row) => row && this.choose(row, why));
   }
 
-  /** What was chosen stays in sight where the list becomes lower, as when the details of a row are opened on a phone. */
+  /** Keeps the selected row visible when the list gets lower, as when the details of a row open on a phone. */
   #resized() {
     const wasInSight = this.at >= this.#top && this.at < this.#top + this.#before;
     this.#before = this.#sight - 1;
@@ -88,7 +88,7 @@ export class List {
     this.#schedule();
   }
 
-  /** Puts a row at the top. */
+  /** Scrolls a row to the top. */
   #show(top) {
     this.#top = Math.max(0, Math.min(top, this.#length - this.#sight + 1));
     const range = Math.max(1, this.root.scrollHeight - this.root.clientHeight);
@@ -109,7 +109,7 @@ export class List {
     this.#schedule();
   }
 
-  /** A turn of the wheel moves by rows, also where a pixel is thousands of them. */
+  /** Scrolls by rows for a turn of the wheel, even if a pixel stands for thousands of rows. */
   #wheel(event) {
     if (!this.#scaled || event.ctrlKey) return;
     event.preventDefault();
@@ -176,7 +176,7 @@ export class List {
     if (wanted.size > 0) this.#fetchSoon([...wanted]);
   }
 
-  /** Those in sight, and no others until they are there: what is scrolled past is not asked for. */
+  /** Fetches the visible pieces, one set after the other: rows that are only scrolled past are not fetched. */
   async #fetchSoon(wanted) {
     if (this.fetching) return;
     this.fetching = true;

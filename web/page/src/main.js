@@ -9,19 +9,19 @@ import { resultsView } from "./views/results.js";
 import { signalsView } from "./views/signals.js";
 import { trialView } from "./views/trial.js";
 
-/** All that the views share. */
+/** The state that the views share. */
 const app = {
   engine: null,
   captures: [],
-  /** What the captures are; null while none is open. */
+  /** The summary of the captures; null while none is open. */
   summary: null,
-  /** Descriptions: name, nodes, bytes, and what they are. */
+  /** Descriptions: name, nodes, bytes, and summary. */
   described: [],
   /** Results of test, fuzz and compare: names and bytes. */
   results: [],
-  /** How captures are read: a format's id, if it is not to be recognised, and whether equal names are one bus. */
+  /** Options for reading: the id of the format (null: recognised), and whether equal channel names are one bus. */
   options: { format: null, same_bus: false },
-  /** The time that all views point at, in seconds since the first frame. */
+  /** The time of the cursor in all views, in seconds since the first frame. */
   cursor: null,
   state,
   say,
@@ -43,10 +43,10 @@ const VIEWS = [
   ["export", "Export", exportView],
 ];
 const views = new Map();
-/** How files are called that describe devices. */
+/** The names of files that describe devices. */
 const DESCRIPTION = /\.(eds|dcf|xdd|xdc)$/i;
 
-/** How many times captures were opened or forgotten. */
+/** Number of times that captures were opened or closed. */
 let openings = 0;
 
 function say(text, bad = false) {
@@ -55,7 +55,7 @@ function say(text, bad = false) {
   status.classList.toggle("bad", bad);
 }
 
-/** Runs a long call with its progress shown; gives nothing if it was cancelled or failed. */
+/** Runs a long call and shows its progress; returns nothing if it was cancelled or failed. */
 async function run(kind, what, args, text) {
   const box = byId("progress");
   const [bar, label, cancel] = box.children;
@@ -85,7 +85,7 @@ async function run(kind, what, args, text) {
 
 const bytesOf = async (file) => new Uint8Array(await file.arrayBuffer());
 
-/** Takes files that were dropped or chosen. */
+/** Opens files that the user dropped or chose. */
 async function take(files) {
   const [captures, results] = [[], []];
   for (const file of files) {
@@ -102,13 +102,13 @@ async function take(files) {
   else show(app.described.length > 0 ? "eds" : undefined);
 }
 
-/** Adds results, in place of those of the same names. */
+/** Adds results, which replace those with the same names. */
 function addResults(results) {
   app.results = [...app.results.filter(([name]) => !results.some(([other]) => other === name)), ...results];
   views.get("results").refresh();
 }
 
-/** Adds a description of those nodes, or the same with other nodes; whether it could be used. */
+/** Adds a description for these nodes, or changes its nodes; returns whether it could be used. */
 async function describe(name, nodes, bytes) {
   try {
     const known = await app.engine.call("describe", { name, nodes, bytes });
@@ -122,7 +122,7 @@ async function describe(name, nodes, bytes) {
   }
 }
 
-/** Reads the captures, from their begin. */
+/** Reads the captures from their beginning. */
 async function reopen() {
   if (app.captures.length === 0) return;
   app.summary = app.cursor = null;
@@ -142,7 +142,7 @@ async function reopen() {
   refresh();
 }
 
-/** Forgets the captures. */
+/** Closes the captures. */
 function close(quietly = true) {
   openings++;
   app.captures = [];
@@ -153,7 +153,7 @@ function close(quietly = true) {
   refresh();
 }
 
-/** Which captures are open, and how they are read. */
+/** Shows which captures are open, and how they are read. */
 function opened() {
   const { length } = app.captures;
   byId("names").textContent = app.captures.map((file) => file.name).join(", ");
@@ -174,7 +174,7 @@ function reading() {
   });
 }
 
-/** The views are of other captures now. */
+/** Refreshes the views after other captures were opened. */
 function refresh() {
   views.forEach((view) => view.refresh?.());
   show(state.get("view"));
@@ -194,7 +194,7 @@ function show(wanted) {
   views.get(id).shown?.();
 }
 
-/** A view points at a time, and the others follow. */
+/** Moves the cursor of all other views to the time at which one view points. */
 function point(seconds, from) {
   app.cursor = seconds;
   views.forEach((view) => view !== from && view.point?.(seconds));
@@ -251,7 +251,7 @@ function theme() {
   setColours(choice.value);
 }
 
-/** What the engine reads is hashed by that worker. */
+/** Lets a second worker hash the files that the engine reads. */
 function hashBy(hasher) {
   const { port1, port2 } = new MessageChannel();
   hasher.call("hashFor", { port: port1 }, undefined, [port1]);

@@ -5,7 +5,7 @@ const all = () => new URLSearchParams(location.hash.slice(1));
 
 export const get = (key) => all().get(key) ?? undefined;
 
-/** Sets some, and leaves those out that are empty. */
+/** Changes parts of the state; empty parts are removed. */
 export function set(changes) {
   const state = all();
   for (const [key, value] of Object.entries(changes)) {

@@ -3,7 +3,7 @@ import { element } from "./dom.js";
 
 let made = 0;
 
-/** Lets an input offer words; `ask(text)` gives them for what stands before the caret, and where the word begins. */
+/** Adds suggestions to an input; `ask(text)` returns words for the text before the caret, and where the word begins. */
 export function suggest(input, ask) {
   const id = `words-${made++}`;
   const list = element("ul", { id, class: "words", role: "listbox", "aria-label": "What can stand here", hidden: true });
@@ -35,7 +35,7 @@ export function suggest(input, ask) {
     input.removeAttribute("aria-activedescendant");
   }
 
-  /** Without the focus going elsewhere. */
+  /** Inserts a word; the input keeps the focus. */
   function take(event, word) {
     event.preventDefault();
     input.setRangeText(word, from, input.selectionStart, "end");

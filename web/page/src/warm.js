@@ -3,14 +3,14 @@
 import { Page } from "canvass-wasm";
 import { lend } from "./files.js";
 
-/** No capture of the user has that number. */
+/** A number that no capture of the user has. */
 const NUMBER = 0xffff_ffff;
-/** Seconds of traffic. */
+/** Length of the traffic in seconds. */
 const SECONDS = 120;
-/** Frames of a step: what comes meanwhile does not wait for long. */
+/** Number of frames in a step: calls that arrive meanwhile wait only for a step. */
 const STEP = 5_000;
 
-/** Gives the steps: `more` is false after the last. */
+/** Returns the function for the steps, whose result has `more` false after the last. */
 export function warm() {
   let page;
   return () => {
@@ -35,7 +35,7 @@ function read(page) {
   return state;
 }
 
-/** A candump log of what networks usually carry, and some of what is wrong in them. */
+/** A candump log of usual traffic, with some errors in it. */
 function traffic() {
   const lines = [];
   const hex = (number, digits) => number.toString(16).toUpperCase().padStart(digits, "0");
@@ -57,7 +57,7 @@ function traffic() {
   return `${lines.join("\n")}\n`;
 }
 
-/** A request and its answer: expedited, segmented, aborted. */
+/** An SDO request and its answer: expedited, segmented, aborted. */
 function sdo(n, turned) {
   const transfers = [
     ["4000100000000000", "4300100092010200"],

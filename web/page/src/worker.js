@@ -18,15 +18,15 @@ globalThis.canvassHost = {
 };
 
 let page;
-/** The call under way, and when its progress was told. */
+/** The number of the current call, and the time of its last progress message. */
 let current = 0;
 let shown = 0;
-/** Only the latest of each kind of job goes on. */
+/** The latest job of each kind; earlier ones are cancelled. */
 const latest = new Map();
-/** The choice of captures that is being opened. */
+/** The choice of captures that is being opened; null if there is none. */
 let reading = null;
 
-/** Lets messages in. Several jobs can wait for their turn. */
+/** Lets messages be handled between steps. Several jobs can wait for this. */
 const channel = new MessageChannel();
 const breathing = [];
 channel.port1.onmessage = () => breathing.shift()();
@@ -37,7 +37,7 @@ function breathe() {
   });
 }
 
-/** Calls `step` until it says that there is no more, or another job of the kind begins; each time when `ready` is. */
+/** Calls `step` until there is no more work, or another job of the kind begins; waits for `ready` before each step. */
 async function job(kind, step, tell, ready = () => {}) {
   const own = Symbol(kind);
   latest.set(kind, own);
@@ -57,14 +57,14 @@ async function job(kind, step, tell, ready = () => {}) {
   }
 }
 
-/** Frames between two looks at the messages: about 20 ms of work. */
+/** Number of frames between two checks for messages: about 20 ms of work. */
 const STEP = 20_000;
 
-/** What the list needs, while it is worked out and afterwards; and who is told how far that is. */
+/** The index of the list, as a promise, and the functions that receive its progress. */
 let indexed = null;
 const watching = new Set();
 
-/** Works out what the list needs, once. */
+/** Makes the index of the list, once. */
 function index(tell) {
   watching.add(tell);
   if (indexed) return indexed;
@@ -76,13 +76,13 @@ function index(tell) {
   return indexed;
 }
 
-/** The page with those results to be compared: their names and bytes. */
+/** Adds results to the page for a comparison: their names and bytes. */
 function added(results) {
   results.forEach(([name, bytes]) => page.addResult(name, bytes));
   return page;
 }
 
-/** What the captures of that choice are, when they are read. */
+/** Reads the captures of this choice; returns their summary. */
 async function opened(choice, captures, options, tell) {
   captures.forEach((file, number) => page.addCapture(number, file.name, file.size));
   page.options(JSON.stringify(options));
@@ -104,11 +104,11 @@ const calls = {
     page = new Page(JSON.stringify(surroundings));
     return { formats: JSON.parse(Page.formats()) };
   },
-  /** What this worker reads is hashed by the one at the other end of that port; by itself, if there is none. */
+  /** The worker at this port hashes the files that this worker reads; without a port, this worker does. */
   hashBy: ({ port }) => files.hashBy(port ?? null),
-  /** What the worker at the other end of that port reads is hashed. */
+  /** Hashes the files that the worker at the other end of this port reads. */
   hashFor: ({ port }) => hashFor(port, () => latest.delete("warm")),
-  /** Until there is something better to do. */
+  /** Warms up until other work arrives. */
   warm: () => job("warm", warm(), () => {}),
   async open({ captures, options }, tell) {
     calls.close();
@@ -119,7 +119,7 @@ const calls = {
       if (reading === choice) reading = null;
     }
   },
-  /** Whatever is under way is of captures that are gone. */
+  /** Closes the captures, and cancels all jobs about them. */
   close() {
     latest.clear();
     indexed = null;
@@ -160,7 +160,7 @@ const calls = {
   },
   points: ({ column, from, to, parts }) => page.points(column, from, to, parts),
   choices: () => JSON.parse(Page.choices()),
-  /** Runs to its end at once; who wants it to end before ends this worker. */
+  /** Runs a trial to its end without a break; to cancel it, this worker is ended. */
   trial({ kind, wish }) {
     page[kind](JSON.stringify(wish));
     return { html: page.triedPage(), json: page.triedJson() };

@@ -37,7 +37,7 @@ struct SeenState {
 }
 
 impl Seen {
-    /// With the hash of the bytes read.
+    /// The state for a file whose hash is requested.
     pub fn hashed() -> Self {
         Self(Arc::new(SeenState { hash: Some(Mutex::default()), ..SeenState::default() }))
     }

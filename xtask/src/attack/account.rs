@@ -70,11 +70,11 @@ pub fn account(
 
 /// The rows of a changed text.
 struct Rows {
-    /// Rows of the original that are frames.
+    /// Number of unchanged rows that are frames.
     intact: u64,
-    /// Other rows that still look like one.
+    /// Number of changed rows that still look like frames.
     changed: u64,
-    /// Other rows.
+    /// Number of changed rows that look like no frame.
     others: u64,
 }
 
@@ -103,7 +103,7 @@ fn counts(quality: &Value) -> Option<(u64, u64)> {
     Some((frames, damages.filter_map(|(_, count)| count.as_u64()).sum()))
 }
 
-/// Of `canvass: candump can't hold errors: 3 frames left out`.
+/// The number in lines such as `canvass: candump can't hold errors: 3 frames left out`.
 fn left_out(stderr: &str) -> u64 {
     let lines = stderr.lines().filter_map(|line| line.strip_suffix(" left out"));
     let counts = lines.filter_map(|line| line.rsplit_once(": ")?.1.split(' ').next()?.parse::<u64>().ok());

@@ -1,6 +1,6 @@
 //! Repeatable chance: the same seed and number give the same attack.
 
-/// SplitMix64.
+/// The SplitMix64 generator.
 pub struct Chance(u64);
 
 impl Chance {
@@ -17,7 +17,7 @@ impl Chance {
         mixed ^ (mixed >> 31)
     }
 
-    /// Below that number; 0 if that is 0.
+    /// A random number below `end`; 0 if `end` is 0.
     pub fn below(&mut self, end: usize) -> usize {
         if end == 0 { 0 } else { (self.next() % end as u64) as usize }
     }

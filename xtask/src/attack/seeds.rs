@@ -23,10 +23,10 @@ pub type IsFrame = fn(&[u8]) -> bool;
 pub struct Seed {
     pub kind: SeedKind,
     pub name: String,
-    /// The end of its name, by which some formats are recognised.
+    /// The end of the file name, by which some formats are recognised.
     pub ending: String,
     pub bytes: Vec<u8>,
-    /// For a text of rows: which row is a frame.
+    /// For a text with rows: whether a row is a frame.
     pub is_frame: Option<IsFrame>,
 }
 
@@ -42,7 +42,7 @@ const JOURNAL: &str = "canvass journal 1\nbus can0\nnode 10\ndevice reference-30
                        value 1017:00 E803\nvalue 1800:01 8A010000\nbegun\nvalue 2041:00 41010000\nstores\nsettled\n";
 
 impl SeedKind {
-    /// Some of the commands that read such a file; `FILE` stands for it.
+    /// Some of the commands that read files of this kind; `FILE` stands for the file.
     pub fn commands(self, chance: &mut Chance) -> Vec<String> {
         let all: &[&str] = match self {
             Self::Capture => &[

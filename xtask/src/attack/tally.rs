@@ -12,7 +12,7 @@ const MOST: Duration = Duration::from_secs(20);
 pub struct Tally {
     pub inputs: u64,
     pub runs: u64,
-    /// How many captures the attack has counted the rows of, and how many rows these were.
+    /// Number of captures whose rows were counted, and number of their rows.
     accounted: u64,
     rows: u64,
     /// Number of rows that the change made another kind, such as a comment.

@@ -14,7 +14,7 @@ const READ: [&str; 2] = ["docs", "tests"];
 
 /// A mutated crate.
 pub struct Area {
-    /// Its name on the command line.
+    /// The name of the area on the command line.
     pub name: &'static str,
     pub package: &'static str,
     /// The folder of the crate.
@@ -63,7 +63,7 @@ impl Area {
     /// The links in the mutated workspace.
     pub fn linked(&self) -> impl Iterator<Item = &'static str> {
         let (own, within) = (self.folder, format!("{}/", self.folder));
-        // The content of a linked or copied folder comes with it.
+        // A folder below the copied folder needs no link.
         let is_apart = move |name: &&str| *name != own && !name.starts_with(&within);
         CRATES.into_iter().filter(is_apart).chain(READ)
     }

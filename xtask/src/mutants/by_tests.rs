@@ -53,7 +53,7 @@ fn row<'a>(name: &str, fates: impl Iterator<Item = &'a Fate>, reviewed: &Reviewe
         };
         *counted += 1;
     }
-    // A mutant that never ends is noticed.
+    // A mutant that never ends counts as detected.
     let share = 100.0 * f64::from(caught + hung) / f64::from((run - equivalent).max(1));
     format!("| {name} | {run} | {caught} | {hung} | {missed} | {unreached} | {equivalent} | {share:.1} % |")
 }

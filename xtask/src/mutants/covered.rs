@@ -1,7 +1,7 @@
 //! The mutated files, and the name under which each is counted.
 
-/// The simulated devices, by service. Files that are not here are no firmware: faults and liberties, files of models,
-/// the motion of the measured quantity, addresses.
+/// The files of the simulated devices, by service. Files that are missing here are no firmware: faults and liberties,
+/// files of models, the motion of the measured quantity, addresses.
 pub const DEVICE: [(&str, &str); 34] = [
     ("device/sdo_server/", "SDO"),
     ("device/sdo_channels.rs", "SDO"),
@@ -55,6 +55,6 @@ pub const SUITE: [(&str, &str); 9] = [
     ("comparison.rs", "verdict"),
 ];
 
-/// Files below those folders that contain only tests.
+/// Files in these folders that contain only tests.
 pub const TESTS: [&str; 5] =
     ["bench/tests/", "cases/cia301/needs/tests.rs", "runner/counts.rs", "runner/left_behind.rs", "runner/tests.rs"];

@@ -1,30 +1,30 @@
-//! The numbered mutants, and those to try.
+//! Numbers the mutants, and draws those to try.
 
 use super::area::Area;
 use super::point::Form;
 use super::scratch::Source;
 use std::collections::BTreeSet;
 
-/// A mutant, with what people and the list of equivalent ones know it by.
+/// A mutant, with its description for people and for the list of equivalent mutants.
 #[derive(Clone, Debug)]
 pub struct Mutant {
-    /// What chooses it.
+    /// The number that selects the mutant.
     pub number: u32,
-    /// The first mutant of its place: it is that number which says that the place was reached.
+    /// The number of the first mutant at the same place; a run records this number when it reaches the place.
     pub place: u32,
     pub service: &'static str,
-    /// Below the folder of the area's sources.
+    /// The path of the file below the folder of the area's sources.
     pub file: String,
     pub line: usize,
     pub function: String,
-    /// The line as it stands, without what is before and after it.
+    /// The line of code, without the white space around it.
     pub code: String,
-    /// What was changed in it, and into what.
+    /// The changed code and its replacement.
     pub change: String,
 }
 
 impl Mutant {
-    /// Where it stands and what it is.
+    /// The place and the change of the mutant.
     pub fn describe(&self, area: &Area) -> String {
         let Self { number, file, line, function, change, code, .. } = self;
         format!("{number} {}/{file}:{line} {function}: {change}\n    {code}", area.sources)
@@ -57,12 +57,12 @@ pub fn all(sources: &[Source]) -> Vec<Mutant> {
     mutants
 }
 
-/// That many of those whose places are reached, by the seed; all of them if there are no more.
+/// Draws `count` mutants at reached places by the seed; all of them if there are no more.
 pub fn draw_reached(mutants: &[Mutant], reached: &BTreeSet<u32>, seed: u64, count: usize) -> Vec<Mutant> {
     draw(mutants.iter().filter(|mutant| reached.contains(&mutant.place)).cloned().collect(), seed, count)
 }
 
-/// That many of them, by the seed; all of them if there are no more.
+/// Draws `count` mutants by the seed; all of them if there are no more.
 pub fn draw(mut drawn: Vec<Mutant>, seed: u64, count: usize) -> Vec<Mutant> {
     let mut state = seed;
     for at in (1..drawn.len()).rev() {
@@ -73,7 +73,7 @@ pub fn draw(mut drawn: Vec<Mutant>, seed: u64, count: usize) -> Vec<Mutant> {
     drawn
 }
 
-/// Numbers that only look random (SplitMix64).
+/// A pseudo-random number (SplitMix64).
 fn random(state: &mut u64) -> u64 {
     *state = state.wrapping_add(0x9E37_79B9_7F4A_7C15);
     let mut mixed = *state;
@@ -88,7 +88,7 @@ fn line(text: &str, number: usize, form: Form) -> String {
     if form == Form::Body { String::new() } else { line.to_owned() }
 }
 
-/// `a < b: <= between`; what is long is cut.
+/// The change in the form `a < b: <= between`; long code is cut.
 fn change(original: &str, what: &str) -> String {
     let flat: Vec<&str> = original.split_whitespace().collect();
     let flat = flat.join(" ");

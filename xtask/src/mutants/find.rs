@@ -8,14 +8,15 @@ use std::ops::Range;
 use syn::spanned::Spanned;
 use syn::visit::{self, Visit};
 
-/// What was found in a file.
+/// The points of a file.
 pub struct Findings {
     pub points: Vec<Point>,
-    /// Words to be taken out: `const` before functions, which could not ask for the mutant.
+    /// Ranges of `const` to be deleted: a `const` function could not choose a mutant at run time.
     pub removed: Vec<Range<usize>>,
 }
 
-/// The points of a file. `constants` are the names of functions that must stay `const`; what only a fault or a liberty switches on is left out.
+/// Finds the points of a file. `constants` are the names of functions that must stay `const`; code that only a fault or
+/// a liberty switches on is left out.
 pub fn find(source: &str, constants: &BTreeSet<String>) -> syn::Result<Findings> {
     let file = syn::parse_file(source)?;
     let found = Findings { points: Vec::new(), removed: Vec::new() };
@@ -72,7 +73,7 @@ impl Finder<'_> {
         }
     }
 
-    /// Bodies of neighbouring arms that bind nothing change places.
+    /// Adds mutants that exchange the bodies of neighbouring arms which bind nothing.
     fn swap_arms(&mut self, arms: &[syn::Arm]) {
         for pair in arms.windows(2) {
             let [one, other] = pair else { continue };
@@ -110,7 +111,7 @@ impl<'ast> Visit<'ast> for Finder<'_> {
         }
     }
 
-    // What has to be constant, and what is no expression.
+    // Code that must be constant, and code that is no expression, is skipped.
     fn visit_item_const(&mut self, _: &'ast syn::ItemConst) {}
     fn visit_impl_item_const(&mut self, _: &'ast syn::ImplItemConst) {}
     fn visit_item_static(&mut self, _: &'ast syn::ItemStatic) {}
@@ -157,7 +158,7 @@ impl<'ast> Visit<'ast> for Finder<'_> {
     }
 
     fn visit_expr_binary(&mut self, binary: &'ast syn::ExprBinary) {
-        // `firmware.has(…) && this` is `this`, or it would not have been looked at.
+        // A condition on a fault or liberty is no choice for mutants: `firmware.has(…) && this` counts as `this`.
         let is_plain = [&binary.left, &binary.right].iter().all(|side| honest::value(side).is_none() && !has_let(side));
         if is_plain {
             let (left, right) = (self.text(&binary.left).to_owned(), self.text(&binary.right).to_owned());
@@ -233,7 +234,7 @@ fn is_test(attributes: &[syn::Attribute]) -> bool {
     attributes.iter().any(|attribute| attribute.path().is_ident("cfg") || attribute.path().is_ident("test"))
 }
 
-/// Whether a condition has a `let` in it, which can't be moved.
+/// Whether a condition contains a `let`, which can't be moved.
 fn has_let(expression: &syn::Expr) -> bool {
     match expression {
         syn::Expr::Let(_) => true,
@@ -243,14 +244,14 @@ fn has_let(expression: &syn::Expr) -> bool {
     }
 }
 
-/// Whether a pattern gives anything a name.
+/// Whether a pattern binds a name.
 fn binds(pattern: &syn::Pat) -> bool {
     struct Names(bool);
     impl<'ast> Visit<'ast> for Names {
         fn visit_pat_ident(&mut self, _: &'ast syn::PatIdent) {
             self.0 = true;
         }
-        // Short for `field: field`.
+        // The short form of `field: field` binds a name, too.
         fn visit_field_pat(&mut self, field: &'ast syn::FieldPat) {
             self.0 |= field.colon_token.is_none();
             visit::visit_field_pat(self, field);

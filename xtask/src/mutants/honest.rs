@@ -1,9 +1,9 @@
-//! What a firmware without fault and liberty answers where it is asked for them: the code for faulty firmware is no matter of
-//! mutants, and a mutant that only switches a fault of the list on, or a liberty, is no news.
+//! Evaluates conditions for a firmware without faults and liberties. Code for faulty firmware gets no mutants: a mutant
+//! that only switches on a fault of the list, or a liberty, proves nothing.
 
 use syn::{BinOp, Expr, ExprMethodCall, UnOp};
 
-/// What a condition is without any fault or liberty, where these alone decide it.
+/// The value of a condition without any fault or liberty; `None` if it depends on anything else.
 pub fn value(condition: &Expr) -> Option<bool> {
     match condition {
         Expr::MethodCall(call) => asks_firmware(call).then_some(false),
@@ -22,7 +22,7 @@ pub fn value(condition: &Expr) -> Option<bool> {
     }
 }
 
-/// `….has(Fault::…)` or `….takes(Liberty::…)`.
+/// Whether a call asks for a fault or liberty: `….has(Fault::…)` or `….takes(Liberty::…)`.
 fn asks_firmware(call: &ExprMethodCall) -> bool {
     let of = match call.method.to_string().as_str() {
         "has" => "Fault",
@@ -33,7 +33,7 @@ fn asks_firmware(call: &ExprMethodCall) -> bool {
     call.args.first().is_some_and(first)
 }
 
-/// Whether a statement does nothing without any fault or liberty: `this |= firmware.has(Fault::…)`.
+/// Whether a statement has no effect without any fault or liberty: `this |= firmware.has(Fault::…)`.
 pub fn is_idle(statement: &Expr) -> bool {
     let Expr::Binary(binary) = statement else { return false };
     let neutral = match binary.op {

@@ -8,34 +8,34 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// Seconds of a processor for the suite, or the fuzzer, on a mutant: many times what they need on a right device.
+/// Limit of processor time in seconds for the suite, or the fuzzer, on a mutant: many times the time on a right device.
 const CPU: u64 = 6;
-/// KiB: a mutant that fills its memory ends.
+/// Limit of memory in KiB: a mutant that fills its memory ends.
 const MEMORY: u64 = 2_000_000;
 
-/// What looks for mutants.
+/// The tool that looks for mutants.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Hunter {
     Suite,
     Fuzzer,
 }
 
-/// What became of a mutant with one of the two.
+/// The result of one tool on a mutant.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Outcome {
-    /// On that model, by that case or property.
+    /// The tool found the mutant: the model, and the case or property.
     Found(String),
-    /// No case failed, but one about what the standard leaves open tells it.
+    /// No case failed, but a case that records what the standard leaves open recorded a difference.
     Recorded(String),
-    /// It did something else than the right device, and nothing was found.
+    /// The traffic differed from the right device, and nothing was found.
     Survived,
-    /// Not a frame differed.
+    /// The traffic did not differ.
     Unseen,
-    /// It did not come to an end.
+    /// The device did not end.
     Hung,
 }
 
-/// What became of a mutant.
+/// The results of both tools on a mutant.
 #[derive(Clone, Debug)]
 pub struct Fate {
     pub mutant: Mutant,
@@ -50,7 +50,7 @@ pub struct Hunt {
     exchanges: u64,
 }
 
-/// What a device without a mutant does.
+/// The results of a device without a mutant.
 pub struct Right {
     suite: String,
     fuzzer: String,
@@ -78,12 +78,12 @@ impl Fate {
         self.suite.is_found() || self.fuzzer.is_found()
     }
 
-    /// Whether it did nothing that anybody could have seen.
+    /// Whether neither tool saw a difference in the traffic.
     pub fn is_unseen(&self) -> bool {
         self.suite == Outcome::Unseen && self.fuzzer == Outcome::Unseen
     }
 
-    /// Whether it did not come to an end, and was not found before.
+    /// Whether the mutant did not end, and neither tool found it before.
     pub fn has_hung(&self) -> bool {
         !self.is_found() && (self.suite == Outcome::Hung || self.fuzzer == Outcome::Hung)
     }
@@ -94,7 +94,7 @@ impl Hunt {
         Self { program, seed, exchanges }
     }
 
-    /// Runs both on the device as it is, which nothing may be found of.
+    /// Runs both tools on the device without a mutant, where they must find nothing.
     pub fn right(&self, folder: &Path) -> Result<Right> {
         let mut reached = BTreeSet::new();
         let mut texts = Vec::new();
@@ -112,17 +112,17 @@ impl Hunt {
         Ok(Right { suite: texts.pop().unwrap_or_default(), fuzzer, reached })
     }
 
-    /// Both on all mutants.
+    /// Runs both tools on all mutants.
     pub fn all(&self, mutants: &[Mutant], right: &Right) -> Result<Vec<Fate>> {
         parallel::each(mutants, 100, |mutant| {
             let suite = self.one(Hunter::Suite, mutant, &right.suite)?;
             let fuzzer = match suite {
-                // It would not come to an end here either.
+                // A mutant on which the suite hangs would hang here as well.
                 Outcome::Hung => Outcome::Hung,
                 _ => self.one(Hunter::Fuzzer, mutant, &right.fuzzer)?,
             };
             let fate = Fate { mutant: mutant.clone(), suite, fuzzer };
-            // A long run shows at once what it has not found.
+            // A long run prints each surviving mutant at once.
             if !fate.is_found() && !fate.is_unseen() {
                 eprintln!("{}", super::table::describe(&fate));
             }
@@ -141,7 +141,7 @@ impl Hunt {
         })
     }
 
-    /// What it says, and whether it came to its end.
+    /// Runs a tool; returns its output, and whether it ended.
     fn run(&self, hunter: Hunter, environment: &[(&str, &str)]) -> Result<(String, bool)> {
         let word = if hunter == Hunter::Suite { "suite" } else { "fuzz" };
         let shell = format!("ulimit -v {MEMORY} && ulimit -t {CPU} && exec \"$0\" \"$@\"");

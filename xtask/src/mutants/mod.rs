@@ -1,9 +1,9 @@
-//! `cargo xtask mutants [--seed D,D] [--count N] [--exchanges N] [--only N,N]`: random mutants of the simulated devices' own
-//! code, looked for by the suite and by the fuzzer. `--tests analyzer|suite [--within SECONDS]`: random mutants of that crate,
-//! looked for by its own tests, or by those that take no longer than that.
+//! `cargo xtask mutants [--seed D,D] [--count N] [--exchanges N] [--only N,N]`: the suite and the fuzzer look for
+//! random mutants of the simulated devices' own code. `--tests analyzer|suite [--within SECONDS]`: the tests of this
+//! crate look for its random mutants; with `--within`, only tests that take no longer.
 //!
-//! All mutants are compiled into one program ([`rewrite`]) in a copy of the workspace ([`scratch`]), and one is chosen for each
-//! process. Drawn are those whose place is reached at all; the seed is that of the day, so that nobody tunes to it.
+//! All mutants are compiled into one program ([`rewrite`]) in a copy of the workspace ([`scratch`]), and each process
+//! chooses one. Only mutants at reached places are drawn. The default seed is the date, so that nobody tunes to it.
 
 mod area;
 mod by_tests;
@@ -30,28 +30,28 @@ use reviewed::Reviewed;
 use std::collections::BTreeSet;
 use std::time::Instant;
 
-/// How many mutants are tried.
+/// Default number of mutants to try.
 const COUNT: usize = 1_000;
-/// How many frames the fuzzer sends to each model.
+/// Default number of exchanges of the fuzzer with each model.
 const EXCHANGES: u64 = 20_000;
 
 struct Wishes {
-    /// One or several: the program is built once for all.
+    /// One or several seeds: the program is built once for all.
     seeds: Vec<u64>,
     count: usize,
     exchanges: u64,
-    /// These mutants instead of random ones, by their numbers.
+    /// The numbers of these mutants, which replace the random ones.
     only: Vec<u32>,
-    /// Mutants of this crate, and its own tests.
+    /// The crate whose own tests look for its mutants.
     tests: Option<&'static Area>,
-    /// Of these, those that take no more seconds of a processor.
+    /// Limit of the tests' duration in seconds of processor time.
     within: Option<u64>,
 }
 
-/// Draws, runs and tells.
+/// Draws mutants, runs the tools on them and prints the results.
 ///
 /// # Errors
-/// If it can't be built, or something is found on a right device.
+/// If the program can't be built, or a tool finds something on a right device.
 pub fn mutants(args: &[String]) -> Result<()> {
     let wishes = Wishes::read(args)?;
     if let Some(area) = wishes.tests {
@@ -60,7 +60,7 @@ pub fn mutants(args: &[String]) -> Result<()> {
     let area = &area::DEVICE;
     let reviewed = Reviewed::read(area)?;
     let mut sources = scratch::read(area)?;
-    // Said at once, and not only after minutes of building.
+    // Rows without code are reported at once, not after minutes of building.
     ensure_current(&reviewed, &drawn::all(&sources))?;
     let begun = Instant::now();
     scratch::prepare(area, &mut sources)?;
@@ -94,14 +94,14 @@ fn ensure_current(reviewed: &Reviewed, all: &[Mutant]) -> Result<()> {
     Ok(())
 }
 
-/// Where those are listed whose place neither suite nor fuzzer reaches.
+/// The list of mutants at places that neither suite nor fuzzer reaches.
 const UNREACHED: &str = "target/mutants/unreached.txt";
-/// Where those are listed that changed no frame, and those that survived, as rows for the list of equivalent ones.
+/// The lists of mutants that changed no frame, and of survivors, these as rows for the list of equivalent mutants.
 const UNSEEN: &str = "target/mutants/unseen.txt";
 const SURVIVORS: &str = "target/mutants/survivors.toml";
 const FOUND: &str = "target/mutants/found.txt";
 
-/// Lists what was not found.
+/// Writes the lists of mutants that were not found.
 fn tell(fates: &[Fate], reviewed: &Reviewed) -> Result<()> {
     let lost = |fate: &&Fate| !fate.is_found() && reviewed.reason(&fate.mutant).is_none();
     let (unseen, survived): (Vec<&Fate>, Vec<&Fate>) = fates.iter().filter(lost).partition(|fate| fate.is_unseen());
@@ -162,7 +162,7 @@ impl Wishes {
     }
 }
 
-/// Such as 20261122.
+/// The date as a number, such as 20261122.
 fn today() -> Result<u64> {
     let day = std::process::Command::new("date").arg("+%Y%m%d").output().context("date")?;
     String::from_utf8_lossy(&day.stdout).trim().parse().context("date")

@@ -1,9 +1,10 @@
-//! Work on many things, on as many threads as there are cores.
+//! Runs work on many items, on as many threads as there are cores.
 
 use anyhow::{Result, bail};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Does `work` on each of `items`, and says after every `told` of them how far it is. The results are in the order of `items`.
+/// Does `work` on each of `items`, and prints the progress after every `told` of them. The results are in the order of
+/// `items`.
 pub fn each<T: Sync, R: Send>(items: &[T], told: usize, work: impl Fn(&T) -> Result<R> + Sync) -> Result<Vec<R>> {
     let next = AtomicUsize::new(0);
     let worker = || -> Result<Vec<(usize, R)>> {

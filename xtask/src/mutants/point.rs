@@ -1,4 +1,4 @@
-//! Places of a source file at which it can be changed, and the changes.
+//! Places of a source file with possible changes.
 
 use std::ops::Range;
 
@@ -11,27 +11,27 @@ pub struct Variant {
     pub what: String,
 }
 
-/// How the choice between the program and its mutants is written.
+/// The syntax of the choice between the original code and its mutants.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Form {
     /// An expression.
     Expression,
     /// A statement that is left out.
     Statement,
-    /// A match arm without guard that is left out: the guard is put at the end of the range.
+    /// A match arm without guard that is left out: the guard is inserted at the end of the range.
     Arm,
-    /// The begin of a function's body: the mutant returns at once.
+    /// The beginning of a function's body: the mutant returns at once.
     Body,
 }
 
 /// A place, with its mutants.
 #[derive(Clone, Debug)]
 pub struct Point {
-    /// Bytes of the file.
+    /// The range of bytes in the file.
     pub range: Range<usize>,
     pub form: Form,
     pub variants: Vec<Variant>,
-    /// The function that it is in.
+    /// The name of the function around the place.
     pub function: String,
     /// The line, counted from 1.
     pub line: usize,

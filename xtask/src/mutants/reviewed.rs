@@ -1,28 +1,28 @@
-//! The mutants that somebody has looked at and found right: `xtask/equivalent-mutants.toml` for those of the simulated devices,
-//! `xtask/equivalent-mutants-analyzer.toml` and such for those that a crate's own tests look for.
+//! Reviewed mutants that are equivalent to the original: `xtask/equivalent-mutants.toml` for the simulated devices, and
+//! files such as `xtask/equivalent-mutants-analyzer.toml` for crates with their own tests.
 //!
-//! A row names the code and not the line, so that it stays true while the code around it changes.
+//! A row names the code instead of the line number, so that it stays true while the code around it changes.
 
 use super::area::Area;
 use super::drawn::Mutant;
 use anyhow::{Context, Result};
 use std::collections::BTreeSet;
 
-/// One mutant; where `change` is left out all of that line, and where `code` is left out all of the function: it is about
-/// what nobody can know of a device.
+/// A reviewed mutant. A row without `change` covers all mutants of the line, a row without `code` all of the function:
+/// code whose effect no tester can know.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ReviewedMutant {
     file: String,
     function: String,
-    /// The line as it stands.
+    /// The line of code.
     code: Option<String>,
     change: Option<String>,
-    /// Why nobody could tell it from what is right.
+    /// Why nobody could distinguish the mutant from the original.
     why: String,
 }
 
-/// The list.
+/// The list of reviewed mutants.
 #[derive(Default, Debug, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Reviewed {
@@ -40,12 +40,12 @@ impl Reviewed {
         toml::from_str(&text).context(file)
     }
 
-    /// Why a mutant is right, if it is listed.
+    /// Why a mutant is equivalent, if it is listed.
     pub fn reason(&self, mutant: &Mutant) -> Option<&str> {
         self.mutant.iter().find(|row| row.is(mutant)).map(|row| row.why.as_str())
     }
 
-    /// Rows for which there is no code any more.
+    /// Rows whose code does not exist any more.
     pub fn stale(&self, mutants: &[Mutant]) -> BTreeSet<&ReviewedMutant> {
         self.mutant.iter().filter(|row| !mutants.iter().any(|mutant| row.is(mutant))).collect()
     }
@@ -60,7 +60,7 @@ impl ReviewedMutant {
     }
 }
 
-/// A mutant as a row of the list, for who has found the reason.
+/// A mutant as a row of the list, to which a reviewer adds the reason.
 pub fn row(mutant: &Mutant) -> String {
     let quoted = |text: &str| toml::Value::String(text.to_owned()).to_string();
     format!(

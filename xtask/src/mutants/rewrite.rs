@@ -1,7 +1,7 @@
-//! Writes a file with all its mutants in it, of which one is chosen when the program runs.
+//! Rewrites a file so that it contains all its mutants, of which one is chosen at run time.
 //!
-//! A point becomes `match mutant::at(FIRST, COUNT) { 1 => mutant, …, _ => original }`. A mutant has the original text of what
-//! is in it, without further choices: so the text grows with the depth of the points and not with their product.
+//! A point becomes `match mutant::at(FIRST, COUNT) { 1 => mutant, …, _ => original }`. Inside a mutant the original
+//! text has no further choices: so the text grows with the depth of the points and not with their product.
 
 use super::find::Findings;
 use super::point::{Form, Point};
@@ -10,11 +10,11 @@ use std::ops::Range;
 /// The text of a file with its mutants.
 pub struct Rewritten {
     pub text: String,
-    /// Where each point has come to be, by its position in the findings.
+    /// The range of each point in the new text, by its index in the findings.
     pub places: Vec<Range<usize>>,
 }
 
-/// Rewrites a file; the mutants of its points have the numbers from `first` on, point by point.
+/// Rewrites a file; the numbers of its mutants begin with `first`, point by point.
 pub fn rewrite(source: &str, found: &Findings, first: u32) -> Rewritten {
     let mut numbers = Vec::with_capacity(found.points.len());
     let mut next = first;
@@ -23,7 +23,7 @@ pub fn rewrite(source: &str, found: &Findings, first: u32) -> Rewritten {
         next += point.variants.len() as u32;
     }
     let mut order: Vec<usize> = (0..found.points.len()).collect();
-    // Outer points before what is in them; of the same text the one that was found first is outside.
+    // Outer points come before inner ones; of points with the same range, the one found first is the outer one.
     order.sort_by_key(|&at| (found.points[at].range.start, std::cmp::Reverse(found.points[at].range.end), at));
     let mut writer = Writer { source, found, numbers, text: String::new(), places: vec![0..0; found.points.len()] };
     writer.write(0..source.len(), &order);
@@ -39,13 +39,13 @@ struct Writer<'a> {
 }
 
 impl Writer<'_> {
-    /// A part of the source with the points in it, which are in order.
+    /// Writes a part of the source with its points, which are in order.
     fn write(&mut self, range: Range<usize>, points: &[usize]) {
         let (mut from, mut rest) = (range.start, points);
         while let Some((&outer, after)) = rest.split_first() {
             let point = &self.found.points[outer];
             let inside = after.iter().take_while(|&&at| self.found.points[at].range.start < point.range.end).count();
-            // Zero-length points have nothing in them.
+            // Points of length zero contain no others.
             let (inner, others) = after.split_at(if point.range.is_empty() { 0 } else { inside });
             self.copy(from..point.range.start);
             let begin = self.text.len();
@@ -86,7 +86,7 @@ impl Writer<'_> {
         }
     }
 
-    /// A part of the source without points, and without the words that are taken out.
+    /// Copies a part of the source without points, omitting the deleted words.
     fn copy(&mut self, range: Range<usize>) {
         let mut from = range.start;
         for removed in

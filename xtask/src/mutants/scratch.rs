@@ -1,4 +1,4 @@
-//! The mutated workspace: the crates as they are, by links, and the one that is mutated rewritten.
+//! The mutated workspace: links to the crates, and a rewritten copy of the mutated one.
 
 use super::area::{self, Area};
 use super::constants::called_in_constants;
@@ -10,24 +10,24 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// Number of times that mutants which can't be compiled are taken out.
+/// Maximum number of builds after which mutants that can't be compiled are removed.
 const ROUNDS: u32 = 12;
-/// Soon built.
+/// A profile that compiles quickly.
 const PROFILE: &str =
     "[profile.mutants]\ninherits = \"release\"\nlto = false\ncodegen-units = 16\ndebug = false\nincremental = true\n";
 
-/// A file with what can be changed in it.
+/// A source file with its points.
 pub struct Source {
-    /// Below the folder of the area's sources.
+    /// The path below the folder of the area's sources.
     pub path: String,
     pub service: &'static str,
     pub text: String,
     pub found: Findings,
-    /// The number of its first mutant.
+    /// The number of the first mutant in the file.
     pub first: u32,
 }
 
-/// Reads all files that are mutated.
+/// Reads all mutated files.
 pub fn read(area: &Area) -> Result<Vec<Source>> {
     let mut texts = Vec::new();
     let mut constants = BTreeSet::new();
@@ -51,7 +51,7 @@ pub fn read(area: &Area) -> Result<Vec<Source>> {
     Ok(sources)
 }
 
-/// Writes the workspace with all mutants of these files that can be compiled; the others are taken out.
+/// Writes the workspace with all mutants of these files; mutants that can't be compiled are removed.
 pub fn prepare(area: &Area, sources: &mut [Source]) -> Result<()> {
     lay_out(area)?;
     for _ in 0..ROUNDS {
@@ -70,7 +70,7 @@ pub fn prepare(area: &Area, sources: &mut [Source]) -> Result<()> {
     bail!("the mutated crate does not compile after {ROUNDS} rounds")
 }
 
-/// Links to all crates, and a copy of the one that is mutated.
+/// Creates links to all crates, and a copy of the mutated one.
 fn lay_out(area: &Area) -> Result<()> {
     let root = std::env::current_dir()?;
     let scratch = area.scratch();
@@ -100,14 +100,14 @@ fn lay_out(area: &Area) -> Result<()> {
     Ok(())
 }
 
-/// The manifest of the workspace without the program.
+/// The manifest of the workspace, without the program.
 fn manifest(area: &Area) -> Result<String> {
     let manifest = std::fs::read_to_string("Cargo.toml")?;
     let (_, dependencies) = manifest.split_once("[workspace.package]").context("[workspace.package] in Cargo.toml")?;
     let (dependencies, _) = dependencies.split_once("\n[package]").context("[package] in Cargo.toml")?;
     let members: Vec<String> = area::CRATES.iter().map(|name| format!("\"{name}\"")).collect();
     let members = members.join(", ");
-    // A crate whose own tests are run is built anew after each change of a test, which takes longer than its quick tests.
+    // If a crate's own tests are run, every change of a test rebuilds it, which takes longer than its quick tests.
     let optimised = match area.name {
         "device" => "opt-level = 2\n".to_owned(),
         _ => format!("opt-level = 1\n\n[profile.mutants.package.{}]\nopt-level = 0\n", area.package),
@@ -117,7 +117,7 @@ fn manifest(area: &Area) -> Result<String> {
     ))
 }
 
-/// Numbers the mutants of all files and writes them.
+/// Numbers the mutants of all files, and writes the files.
 fn write(area: &Area, sources: &mut [Source]) -> Result<Vec<Rewritten>> {
     let mut next = 1;
     let mut all = Vec::new();
@@ -131,23 +131,23 @@ fn write(area: &Area, sources: &mut [Source]) -> Result<Vec<Rewritten>> {
     Ok(all)
 }
 
-/// Where the compiler was not content.
+/// An error of the compiler.
 struct Mistake {
     text: String,
-    /// The file and the bytes of it, by each place that the message names.
+    /// The places that the error names: file, first byte and end.
     places: Vec<(String, usize, usize)>,
 }
 
-/// Cargo in the mutated workspace.
+/// A call of cargo in the mutated workspace.
 pub fn cargo(area: &Area, arguments: &[&str]) -> Command {
     let mut command = Command::new("cargo");
     command.args(arguments).current_dir(area.scratch());
-    // What a mutant leaves unused or makes unreachable is its nature.
+    // Warnings are off: it is normal that mutants leave code unused or unreachable.
     command.env("RUSTFLAGS", "--cap-lints=allow").env_remove("CARGO_TARGET_DIR");
     command
 }
 
-/// Builds the crate; what it needs is then there for its tests, too.
+/// Builds the crate with its dependencies, which its tests then need not build.
 fn check(area: &Area) -> Result<Vec<Mistake>> {
     let arguments = ["build", "--profile", "mutants", "--package", area.package, "--message-format=json"];
     let output = cargo(area, &arguments).stderr(Stdio::null()).output().context("cargo build")?;
@@ -178,7 +178,8 @@ fn mistake(message: &Value) -> Option<Mistake> {
     (!places.is_empty()).then_some(Mistake { text, places })
 }
 
-/// Takes out the innermost point at each mistake, or what is inside it if it is in none. How many were taken out.
+/// Removes the innermost point around each error, or the points inside it if no point is around it. Returns the number
+/// of removed points.
 fn take_out(area: &Area, sources: &mut [Source], rewritten: &[Rewritten], mistakes: &[Mistake]) -> usize {
     let mut taken_out: BTreeMap<usize, BTreeSet<usize>> = BTreeMap::new();
     let named = |file: &str| sources.iter().position(|source| file == format!("{}/{}", area.sources, source.path));
@@ -225,7 +226,7 @@ fn files(folder: &Path) -> Result<Vec<PathBuf>> {
     Ok(found)
 }
 
-/// A file that has not changed keeps its time, so that it is not built anew.
+/// Writes a file only if its content changes: an unchanged file keeps its time, so that cargo does not rebuild it.
 fn write_if_new(path: &Path, text: &[u8]) -> Result<()> {
     if std::fs::read(path).is_ok_and(|before| before == text) {
         return Ok(());

@@ -1,4 +1,4 @@
-//! What became of the mutants, by service.
+//! The table of results by service.
 
 use super::area;
 use super::hunt::{Fate, Outcome};
@@ -46,7 +46,7 @@ impl Line {
         line
     }
 
-    /// How many were tried.
+    /// Number of mutants tried.
     pub const fn run(&self) -> usize {
         self.run
     }
@@ -55,7 +55,8 @@ impl Line {
         self.suite + self.fuzzer - self.both
     }
 
-    /// Of those that show on the bus and are not right: the share that the suite finds, and that both find, in percent.
+    /// The percentages of mutants that the suite finds, and that either tool finds, among those that show on the bus
+    /// and are not equivalent.
     pub fn shares(&self) -> (f64, f64) {
         let all = (self.found() + self.survived).max(1) as f64;
         (100.0 * self.suite as f64 / all, 100.0 * self.found() as f64 / all)
@@ -84,7 +85,7 @@ pub fn table(fates: &[Fate], reviewed: &Reviewed) -> (String, Line) {
     (text, all)
 }
 
-/// Where a mutant stands and what it is.
+/// The place and the change of a mutant.
 pub fn describe(fate: &Fate) -> String {
     let mutant = &fate.mutant;
     let told = |name: &str, outcome: &Outcome| match outcome {

@@ -1,7 +1,7 @@
-//! Runs a crate's own tests on mutants of it, each test in a process of its own that may crash or never end.
+//! Runs a crate's own tests on its mutants, each test in a process of its own that may crash or never end.
 //!
-//! Each test runs alone once without a mutant: what it takes, and to which places it comes, is recorded. A mutant then runs only
-//! those tests that come to its place, the quickest first, until one fails.
+//! Each test first runs alone without a mutant, which records its duration and the places that it reaches. A mutant
+//! then needs only the tests that reach its place; they run in the order of their duration until one fails.
 
 use super::area::Area;
 use super::drawn::Mutant;
@@ -13,27 +13,27 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// KiB: a mutant that fills its memory ends.
+/// Limit of memory in KiB: a mutant that fills its memory ends.
 const MEMORY: u64 = 4_000_000;
 /// Maximum processor time of a mutant, as a multiple of the time that the test takes without a mutant.
 const SLOWER: u32 = 10;
 /// Seconds that a mutant may take in addition.
 const BESIDES: u64 = 5;
 
-/// What became of a mutant.
+/// The result of the tests on a mutant.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub enum Outcome {
-    /// By this test.
+    /// This test failed.
     Caught(String),
-    /// This test came to no end within its time.
+    /// This test did not end within its time.
     Hung(String),
     /// All tests passed.
     Missed,
-    /// No test comes to its place.
+    /// No test reaches the mutant's place.
     Unreached,
 }
 
-/// A mutant with what became of it.
+/// A mutant with its result.
 pub struct Fate {
     pub mutant: Mutant,
     pub outcome: Outcome,
@@ -42,27 +42,27 @@ pub struct Fate {
 /// A program with tests.
 struct Program {
     path: PathBuf,
-    /// The folder of its crate.
+    /// The folder of the program's crate.
     folder: PathBuf,
 }
 
-/// One test, as it is without a mutant.
+/// A test, with its behaviour without a mutant.
 struct Test<'a> {
     program: &'a Program,
     name: String,
     time: Duration,
-    /// The places that it comes to.
+    /// The places that the test reaches.
     reached: BTreeSet<u32>,
 }
 
 /// The test programs of a mutated crate.
 pub struct Programs(Vec<Program>);
 
-/// Their tests, the quickest first.
+/// The tests of all programs, the quickest first.
 pub struct Tests<'a>(Vec<Test<'a>>);
 
 impl Programs {
-    /// Builds them.
+    /// Builds the test programs.
     pub fn build(area: &Area) -> Result<Self> {
         eprintln!("building the tests with all mutants");
         let format = "--message-format=json-render-diagnostics";
@@ -97,7 +97,7 @@ impl Tests<'_> {
         self.0.len()
     }
 
-    /// How long all of them take without a mutant, one after the other.
+    /// The total duration of the tests without a mutant.
     pub fn time(&self) -> Duration {
         self.0.iter().map(|test| test.time).sum()
     }
@@ -121,14 +121,14 @@ impl Tests<'_> {
 }
 
 impl<'a> Test<'a> {
-    /// What it takes and reaches without a mutant; `None`: more than that.
+    /// Measures a test without a mutant; `None` if it exceeds the limit.
     fn measured(program: &'a Program, name: &str, limit: Duration) -> Result<Option<Self>> {
         let list = program.path.with_extension(format!("{}.reached", name.replace("::", "-")));
         let begun = Instant::now();
         let ended = program.run(name, limit, ("CANVASS_MUTANTS_REACHED", &list.to_string_lossy()))?;
         ensure!(ended != Ended::Failed, "{name} fails without a mutant");
         let time = begun.elapsed();
-        // A test that comes to no place writes none.
+        // A test that reaches no place writes no file.
         let lines = std::fs::read_to_string(&list).unwrap_or_default();
         let _ = std::fs::remove_file(&list);
         let reached = lines.lines().filter_map(|line| line.parse().ok()).collect();
@@ -143,7 +143,7 @@ impl<'a> Test<'a> {
 }
 
 impl Program {
-    /// The program that a message of cargo tells of, if it holds tests.
+    /// The program in a message of cargo, if it contains tests.
     fn named(line: &str) -> Option<Self> {
         let message: Value = serde_json::from_str(line).ok()?;
         let is_test = message.get("profile")?.get("test")?.as_bool()?;
@@ -152,7 +152,7 @@ impl Program {
         is_test.then_some(Self { path, folder })
     }
 
-    /// The names of its tests.
+    /// The names of the program's tests.
     fn names(&self) -> Result<Vec<String>> {
         let output = Command::new(&self.path).args(["--list", "--format", "terse"]).output();
         let output = output.with_context(|| self.path.display().to_string())?;
@@ -160,7 +160,7 @@ impl Program {
         Ok(lines.lines().filter_map(|line| line.strip_suffix(": test")).map(str::to_owned).collect())
     }
 
-    /// Runs one of its tests, with a variable in the environment.
+    /// Runs one test, with a variable in the environment.
     fn run(&self, test: &str, limit: Duration, variable: (&str, &str)) -> Result<Ended> {
         let shell = format!("ulimit -v {MEMORY} && ulimit -t {} && exec \"$0\" \"$@\"", limit.as_secs().max(1));
         let status = Command::new("sh")
@@ -168,7 +168,7 @@ impl Program {
             .arg(&self.path)
             .args(["--test-threads=1", "--exact", test])
             .env(variable.0, variable.1)
-            // As cargo sets it, for tests that read files.
+            // Cargo sets this variable for tests that read files.
             .env("CARGO_MANIFEST_DIR", &self.folder)
             .env("PROPTEST_DISABLE_FAILURE_PERSISTENCE", "true")
             .env("RUST_BACKTRACE", "0")
@@ -179,7 +179,7 @@ impl Program {
             .status()
             .with_context(|| self.path.display().to_string())?;
         Ok(match std::os::unix::process::ExitStatusExt::signal(&status) {
-            // The limit of processor time.
+            // The signals of the limit of processor time.
             Some(9 | 24) => Ended::Late,
             None if status.success() => Ended::Passed,
             _ => Ended::Failed,
@@ -187,7 +187,7 @@ impl Program {
     }
 }
 
-/// How a test came to its end.
+/// The end of a test's run.
 #[derive(PartialEq, Eq, Debug)]
 enum Ended {
     Passed,

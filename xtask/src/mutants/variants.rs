@@ -1,9 +1,9 @@
-//! What can stand for an operator, a constant, a method or a result.
+//! Replacements for operators, constants, methods and results.
 
 use super::point::Variant;
 use syn::{BinOp, Expr, Lit};
 
-/// Other operators between the same operands; of two conditions also each alone.
+/// Other operators between the same operands; for two conditions also each of them alone.
 pub fn of_operator(operator: &BinOp, left: &str, right: &str) -> Vec<Variant> {
     let others: &[&str] = match operator {
         BinOp::Add(_) => &["-"],
@@ -44,7 +44,7 @@ pub fn of_operator(operator: &BinOp, left: &str, right: &str) -> Vec<Variant> {
     variants
 }
 
-/// One more, one less, 0; the other truth value.
+/// The literal plus one, minus one, and 0; the other truth value.
 pub fn of_literal(literal: &Lit) -> Vec<Variant> {
     match literal {
         Lit::Int(number) => {
@@ -63,7 +63,7 @@ pub fn of_literal(literal: &Lit) -> Vec<Variant> {
     }
 }
 
-/// What a function can return at once.
+/// Values that a function can return at once.
 pub fn results(output: &syn::ReturnType) -> Vec<Variant> {
     let at_once = |value: &str| Variant::new(format!("returns {value} at once"), format!("return {value}"));
     let syn::ReturnType::Type(_, declared) = output else { return vec![at_once("()")] };
@@ -113,12 +113,12 @@ pub fn other_method(name: &str) -> Option<&'static str> {
     PAIRS.iter().find_map(other)
 }
 
-/// Whether [`of_operator`], or what negates, changes that condition already.
+/// Whether [`of_operator`] or the mutants of a negation change this condition already.
 pub fn is_operation(condition: &Expr) -> bool {
     matches!(condition, Expr::Binary(_) | Expr::Unary(_) | Expr::Macro(_))
 }
 
-/// Whether a statement can be left out without anything else becoming wrong.
+/// Whether a statement can be left out and the rest still compiles.
 pub fn is_deletable(expression: &Expr) -> bool {
     match expression {
         Expr::MethodCall(_) | Expr::Call(_) | Expr::Assign(_) | Expr::Try(_) => true,

@@ -3,15 +3,15 @@
 use super::modules::{Crate, ModulePath};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// What is used beside each thing of a folder, and by which module: for each folder, the names in it.
+/// The uses between the files and folders of one level: for each user and each used name, the modules of one such use.
 type Level<'a> = BTreeMap<String, BTreeMap<String, (&'a [String], ModulePath)>>;
 
-/// The circles of a crate in which a folder takes part, in words.
+/// The circles of a crate that contain a folder, as text.
 pub fn of(read: &Crate) -> Vec<String> {
     let mut levels: BTreeMap<ModulePath, Level<'_>> = BTreeMap::new();
     for (user, used) in read.uses() {
         let common = user.iter().zip(&used).take_while(|(a, b)| a == b).count();
-        // What lies above or below belongs together.
+        // A module may use those above and below it.
         if let (Some(from), Some(to)) = (user.get(common), used.get(common)) {
             let level = levels.entry(user[..common].to_vec()).or_default();
             level.entry(from.clone()).or_default().entry(to.clone()).or_insert((user, used.clone()));
@@ -20,7 +20,7 @@ pub fn of(read: &Crate) -> Vec<String> {
     levels.iter().flat_map(|(folder, level)| circles(read, folder, level)).collect()
 }
 
-/// The circles of one level, each once: from its first name on the shortest way back.
+/// The circles of one level, each once: the shortest way from its first name back.
 fn circles(read: &Crate, folder: &[String], level: &Level<'_>) -> Vec<String> {
     let mut known: BTreeSet<BTreeSet<&str>> = BTreeSet::new();
     let mut found = Vec::new();

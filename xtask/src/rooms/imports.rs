@@ -1,18 +1,18 @@
-//! What a file imports, and what it passes on.
+//! Imports and re-exports of a file.
 
 use super::modules::ModulePath;
 use std::collections::BTreeMap;
 use syn::visit::{self, Visit};
 use syn::{Attribute, File, Item, ItemMod, ItemUse, UseTree, Visibility};
 
-/// The paths in a file, as they are written.
+/// The paths in a file, as written.
 #[derive(Default)]
 pub struct Imports {
-    /// Those that it uses itself.
+    /// Paths that the file uses itself.
     pub used: Vec<ModulePath>,
-    /// Those that it passes on by `pub use`, by the name under which it does.
+    /// Paths that the file re-exports by `pub use`, by their new names.
     pub passed_on: BTreeMap<String, ModulePath>,
-    /// The modules in it that are there for tests only.
+    /// Modules in the file that are for tests only.
     pub tests: Vec<String>,
 }
 
@@ -41,7 +41,7 @@ impl<'ast> Visit<'ast> for Imports {
     }
 
     fn visit_item_mod(&mut self, item: &'ast ItemMod) {
-        // Modules within a file would need paths of their own; but for tests there are none.
+        // Modules within a file would need paths of their own, but all of them are for tests.
         visit::visit_item_mod(self, item);
     }
 
@@ -84,7 +84,7 @@ impl Imports {
     }
 }
 
-/// `#[test]`, `#[cfg(test)]`.
+/// Whether an attribute is `#[test]` or `#[cfg(test)]`.
 fn is_test(attribute: &Attribute) -> bool {
     let of_tests = || attribute.parse_args::<syn::Ident>().is_ok_and(|what| what == "test");
     attribute.path().is_ident("test") || attribute.path().is_ident("cfg") && of_tests()

@@ -5,7 +5,8 @@ use anyhow::{Context, Result};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// The path of a module from the crate's root, such as `["findings", "nodes"]`; a use has the item's name after it.
+/// The path of a module from the crate's root, such as `["findings", "nodes"]`; for a use, the name of the item
+/// follows.
 pub type ModulePath = Vec<String>;
 
 /// The modules of a crate and what they use.
@@ -34,7 +35,7 @@ impl Crate {
         Ok(read)
     }
 
-    /// Leaves out the files whose module, or one around it, is declared for tests only.
+    /// Removes the files whose module, or one around it, is declared for tests only.
     fn leave_out_tests(&mut self) {
         let declared = |(module, imports): (&ModulePath, &Imports)| -> Vec<ModulePath> {
             imports.tests.iter().map(|name| [module.as_slice(), std::slice::from_ref(name)].concat()).collect()
@@ -49,7 +50,7 @@ impl Crate {
         Ok(())
     }
 
-    /// Each module with each other one that it uses, both by their paths.
+    /// The path of each module with the path of each module that it uses.
     pub fn uses(&self) -> impl Iterator<Item = (&[String], ModulePath)> {
         self.modules.iter().flat_map(move |(module, imports)| {
             let used = imports.used.iter().filter_map(move |used| self.absolute(module, used));
@@ -57,12 +58,12 @@ impl Crate {
         })
     }
 
-    /// Whether a path is that of a folder: of a module that has others in it.
+    /// Whether a path is that of a folder: a module with submodules.
     pub fn is_folder(&self, path: &[String]) -> bool {
         self.modules.keys().any(|module| module.len() > path.len() && module.starts_with(path))
     }
 
-    /// A path as it is written in a module, from the crate's root; `None` where it leads out of the crate.
+    /// The path from the crate's root of a path written in a module; `None` if it leads out of the crate.
     fn absolute(&self, module: &[String], written: &[String]) -> Option<ModulePath> {
         let mut base = module.to_vec();
         let mut rest = written;
@@ -84,9 +85,9 @@ impl Crate {
         Some(base)
     }
 
-    /// The module in which an item really is, as far as `pub use` tells.
+    /// The module that defines an item, as far as `pub use` can be followed.
     fn home(&self, mut path: ModulePath) -> ModulePath {
-        // No item is passed on more often than this.
+        // No item is re-exported more often than this.
         for _ in 0..8 {
             let passed_on = (1..=path.len()).rev().find_map(|length| {
                 let (module, name) = (&path[..length - 1], &path[length - 1]);

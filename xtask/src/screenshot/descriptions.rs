@@ -1,4 +1,4 @@
-//! Device descriptions: what a check says, what is shown of a file, and an editor with the language server.
+//! Pictures of device descriptions: the output of a check, of `eds show`, and an editor with the language server.
 
 use super::{FOLDER, photograph, terminal};
 use crate::measure::release;
@@ -12,19 +12,19 @@ const EDITOR: Package = Package { program: "nvim", probe: &["--version"], packag
 const TERMINAL: Package = Package { program: "tmux", probe: &["-V"], package: "tmux" };
 
 const RIGHT: &str = "conformance/device/models/reference-406.eds";
-/// What is wrong in the pictures.
+/// The faults of the description in the pictures.
 const DAMAGES: [(&str, &str); 3] = [
     ("CreationTime=02:00PM\n", "CreationTime=21:30\n"),
     ("[1017]\nParameterName=Producer heartbeat time\n", "[1017]\nParameterName=Guard time\n"),
     ("DefaultValue=0x64000108\n", "DefaultValue=0x64000110\n"),
 ];
-/// A server of its own, so that no session of the user is touched.
+/// Options for a separate tmux server, so that no session of the user is touched.
 const TMUX: [&str; 3] = ["-L", "canvass-screenshot", "-f/dev/null"];
 
 /// Takes the pictures.
 ///
 /// # Errors
-/// If a program can't be run, or shows something else than expected.
+/// If a program can't be run, or its output is not the expected one.
 pub fn descriptions() -> Result<()> {
     install(&[EDITOR, TERMINAL])?;
     let mut text = fs::read_to_string(RIGHT)?;
@@ -54,7 +54,7 @@ fn shown(file: &str) -> Result<()> {
     photograph(&page, "docs/eds-page.png", (1000, 700))
 }
 
-/// As on a terminal.
+/// The output of canvass on a terminal with colours.
 fn canvass(args: &[&str]) -> Result<String> {
     let output = Command::new(release("canvass")).args(["--color", "always"]).args(args).output()?;
     ensure!(output.status.code().is_some_and(|status| status < 2), "canvass {args:?} ended with {}", output.status);
@@ -68,11 +68,11 @@ fn of_terminal(text: &str, picture: &str, size: (u16, u16)) -> Result<()> {
     photograph(&page, picture, size)
 }
 
-/// Neovim with the findings of a line, and what stands under its cursor.
+/// Takes a picture of Neovim with the findings of a line, and the description of the object under its cursor.
 fn editor(file: &str) -> Result<()> {
     let program = fs::canonicalize(release("canvass"))?;
     let settings = format!("{FOLDER}/init.lua");
-    // With room below the cursor, so that what is shown of an object stands above it and hides no finding.
+    // The space below the cursor makes Neovim show the description of an object above it, where it hides no finding.
     let start = "vim.o.number = true; vim.o.ruler = false; vim.o.laststatus = 0\n\
         vim.o.hlsearch = false; vim.o.scrolloff = 10\n\
         vim.cmd('highlight SignColumn ctermbg=NONE | highlight LineNr ctermfg=8')\n\
@@ -84,23 +84,23 @@ fn editor(file: &str) -> Result<()> {
     let command = format!("nvim --clean -u {settings} {file}");
     tmux(&["new-session", "-d", "-x", "104", "-y", "30", &command])?;
     let seen = session();
-    // Also after something unexpected.
+    // The server is ended also after an error.
     tmux(&["kill-server"])?;
     of_terminal(&seen?, "docs/eds-editor.png", (940, 560))
 }
 
-/// Goes to a section, asks what it is, and gives what is on the screen then.
+/// Goes to a section, requests its description, and returns the screen.
 fn session() -> Result<String> {
     tmux(&["send-keys", r"/^\[1017\]", "Enter", "z", "b"])?;
     seen("the name of another")?;
     tmux(&["send-keys", "l", "l", ":lua vim.lsp.buf.hover()", "Enter"])?;
     seen("CiA 301 7.5.2.20")?;
-    // The line of the last command says nothing.
+    // Clears the line of the last command.
     tmux(&["send-keys", ":echo", "Enter"])?;
     seen("CiA 301 7.5.2.20")
 }
 
-/// The screen, as soon as that stands there.
+/// Returns the screen as soon as it contains this text.
 fn seen(wanted: &str) -> Result<String> {
     let until = Instant::now() + Duration::from_secs(60);
     loop {

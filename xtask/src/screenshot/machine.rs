@@ -1,4 +1,4 @@
-//! The capture of a machine, one encoder of which loses its supply.
+//! A capture of a machine with an encoder that loses its supply.
 
 use anyhow::Result;
 use std::fmt::Write;

@@ -1,5 +1,5 @@
-//! The pictures in the documentation: pages of a diagnosis, a run of the suite, a history, a device description; each view of
-//! the page with the decoder as WebAssembly; what is said of descriptions on a terminal and in an editor.
+//! The pictures in the documentation: pages of a diagnosis, a run of the suite, a history and a device description;
+//! each view of the page with the decoder as WebAssembly; outputs about descriptions on a terminal and in an editor.
 
 mod descriptions;
 mod machine;
@@ -18,10 +18,10 @@ use std::process::{Command, Stdio};
 use views::views;
 
 const FOLDER: &str = "target/screenshot";
-/// A picture that is looked at in a document.
+/// Maximum size in bytes of a picture in a document.
 const MOST: u64 = 220 * 1024;
 
-/// The releases of the history: bad ones, and such as fixed that.
+/// The releases of the history, some with faults, and the releases that fix them.
 const RELEASES: [(&str, &str); 5] = [
     ("1.0", ""),
     ("1.1", "+boot-up-twice"),
@@ -30,7 +30,7 @@ const RELEASES: [(&str, &str); 5] = [
     ("2.0", ""),
 ];
 
-/// What makes some of the pictures.
+/// A function that takes some of the pictures.
 type Maker = fn() -> Result<()>;
 const MAKERS: [(&str, Maker); 5] = [
     ("diagnosis", diagnosis),
@@ -40,10 +40,10 @@ const MAKERS: [(&str, Maker); 5] = [
     ("views", views),
 ];
 
-/// Takes the pictures: those of these names, or all.
+/// Takes the pictures with these names, or all.
 ///
 /// # Errors
-/// If a program can't be run, what is shown is not what is expected, or a picture is too large.
+/// If a program can't be run, a page is not the expected one, or a picture is too large.
 pub fn screenshot(names: &[String]) -> Result<()> {
     if let Some(unknown) = names.iter().find(|name| MAKERS.iter().all(|(known, _)| known != name)) {
         bail!("expected some of {}, found {unknown}", MAKERS.map(|(name, _)| name).join(", "));
@@ -55,7 +55,7 @@ pub fn screenshot(names: &[String]) -> Result<()> {
     MAKERS.into_iter().filter(|(name, _)| wanted(name)).try_for_each(|(_, make)| make())
 }
 
-/// An encoder that loses its supply, and what follows: the head of the page, and its timeline.
+/// Takes pictures of a diagnosis of an encoder that loses its supply: the head of the page, and the timeline.
 fn diagnosis() -> Result<()> {
     let (capture, page) = (format!("{FOLDER}/machine.log"), format!("{FOLDER}/page.html"));
     fs::write(&capture, machine()?)?;
@@ -68,7 +68,7 @@ fn diagnosis() -> Result<()> {
     photograph(&page, "docs/diagnose.png", (1100, 815))
 }
 
-/// A case that fails, with its recording.
+/// Takes a picture of a failed case with its recording.
 fn conformance() -> Result<()> {
     let (recording, page) = (format!("{FOLDER}/run.pcapng"), format!("{FOLDER}/run.html"));
     let report = format!("html={page}");
@@ -77,7 +77,7 @@ fn conformance() -> Result<()> {
     photograph(&page, "docs/test.png", (1000, 1400))
 }
 
-/// Cases over the releases of a device.
+/// Takes a picture of the history of a device's releases.
 fn history() -> Result<()> {
     let page = format!("{FOLDER}/history.html");
     let files = releases()?;
@@ -86,7 +86,7 @@ fn history() -> Result<()> {
     photograph(&page, "docs/history.png", (1000, 800))
 }
 
-/// A result of each release.
+/// Makes a result of each release.
 fn releases() -> Result<Vec<String>> {
     let mut files = Vec::new();
     for (release, faults) in RELEASES {
@@ -98,13 +98,13 @@ fn releases() -> Result<Vec<String>> {
     Ok(files)
 }
 
-/// The views of the page with the decoder as WebAssembly, by an xtask that can drive a browser.
+/// Takes pictures of the views of the page with the decoder as WebAssembly, by an xtask that can drive a browser.
 #[cfg(not(feature = "web"))]
 fn views() -> Result<()> {
     crate::web::by_another(&["screenshot", "views"])
 }
 
-/// Runs canvass where it may find something.
+/// Runs canvass, which may end with findings.
 fn tested(args: &[&str]) -> Result<()> {
     let ended = Command::new(release("canvass")).args(args).output()?;
     let status = ended.status.code();
@@ -117,7 +117,7 @@ fn tested(args: &[&str]) -> Result<()> {
     Ok(())
 }
 
-/// Without a window; time goes on at once, so that the page is drawn.
+/// Takes a picture of a page without a window; virtual time passes at once, so that the page is drawn.
 fn photograph(page: &str, picture: &str, (width, height): (u16, u16)) -> Result<()> {
     let url = format!("file://{}", fs::canonicalize(page)?.display());
     let chromium = Command::new("chromium")

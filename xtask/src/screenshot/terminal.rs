@@ -1,8 +1,8 @@
-//! What a terminal shows, as a page: the colours that programs ask for by SGR sequences.
+//! The contents of a terminal as a page, with the colours of SGR sequences.
 
 use std::fmt::Write;
 
-/// As terminals on a dark ground have them: 0 to 7, and bright ones.
+/// The colours of terminals with a dark background: 0 to 7, and their bright forms.
 const PALETTE: [&str; 16] = [
     "#1e1e1e", "#f14c4c", "#23d18b", "#e5c07b", "#569cd6", "#d670d6", "#29b8db", "#d4d4d4", "#808080", "#ff6b6b",
     "#5af0a8", "#f5e08b", "#7ab8f5", "#e69be6", "#6fd8f0", "#ffffff",
@@ -10,7 +10,7 @@ const PALETTE: [&str; 16] = [
 const GROUND: &str = "#1e1e1e";
 const TEXT: &str = "#d4d4d4";
 
-/// How characters look from here on.
+/// The attributes of the following characters.
 #[derive(Clone, Default, PartialEq)]
 struct Look {
     text: Option<String>,
@@ -55,7 +55,7 @@ fn put(page: &mut String, look: &Look, text: &str) {
 }
 
 impl Look {
-    /// Takes the numbers between `ESC [` and `m`.
+    /// Applies the numbers between `ESC [` and `m`.
     fn change(&mut self, codes: &str) {
         let numbers: Vec<usize> = codes.split([';', ':']).map(|code| code.parse().unwrap_or(0)).collect();
         let mut rest = numbers.as_slice();
@@ -100,7 +100,7 @@ fn colour(number: usize) -> Option<String> {
     PALETTE.get(number).map(|&colour| colour.to_owned())
 }
 
-/// A colour of 256, or of red, green and blue; and the numbers after it.
+/// A colour of 256, or of red, green and blue, and the remaining numbers.
 fn of_many(numbers: &[usize]) -> (Option<String>, &[usize]) {
     match numbers {
         [2, red, green, blue, rest @ ..] => (Some(format!("rgb({red},{green},{blue})")), rest),

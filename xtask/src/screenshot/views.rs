@@ -1,4 +1,5 @@
-//! Each view of the page with the decoder as WebAssembly: on a desk in light colours, on a phone in dark ones.
+//! Pictures of each view of the page with the decoder as WebAssembly: on a desktop screen in light colours, on a phone
+//! in dark ones.
 
 use super::machine::machine;
 use super::{FOLDER, ensure_small, releases};
@@ -11,14 +12,14 @@ const PICTURES: &str = "docs/web";
 const DESCRIPTION: &str = "conformance/device/models/kuebler-sendix-58x8.eds";
 const ENTER: &str = "\u{E007}";
 
-/// Takes them.
+/// Takes the pictures.
 ///
 /// # Errors
 /// If the page can't be made, or a picture is too large.
 pub fn views() -> Result<()> {
     web::build()?;
     fs::create_dir_all(PICTURES)?;
-    // A description without a node is of all of them.
+    // A description without a node-ID describes all nodes.
     let eds = format!("{FOLDER}/encoder.eds");
     fs::copy(DESCRIPTION, &eds)?;
     let capture = format!("{FOLDER}/machine.log");
@@ -52,7 +53,7 @@ const VIEWS: [(&str, Prepare); 7] = [
     ("export", |_, _| Ok(())),
 ];
 
-/// Waits for what a report draws.
+/// Waits until a report has drawn its content.
 fn shown_within(opened: &Opened, frame: &str, expression: &str) -> Result<()> {
     opened.0.wait(&format!("document.querySelector('{frame}')"));
     opened.0.within(frame, |browser| {
@@ -63,14 +64,14 @@ fn shown_within(opened: &Opened, frame: &str, expression: &str) -> Result<()> {
     Ok(())
 }
 
-/// Two pictures of the screen later all is drawn.
+/// Waits for two frames of the screen, after which everything is drawn.
 fn settle(browser: &web::browser::Browser) {
     browser.run(
         "return new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(resolve, 300))))",
     );
 }
 
-/// A filter, and a refusal with all that is known of it.
+/// Shows a filter, and an aborted SDO transfer in detail.
 fn trace(opened: &Opened, screen: Screen) -> Result<()> {
     opened.0.fill("#filter", "not service in pdo,sync,heartbeat");
     opened.0.wait("/^[0-9]{1,3} of /.test(document.querySelector('#view-trace .shown').textContent)");
@@ -83,7 +84,7 @@ fn trace(opened: &Opened, screen: Screen) -> Result<()> {
     Ok(())
 }
 
-/// The position of an encoder in steps and degrees, between two cursors.
+/// Shows the position of an encoder in steps and degrees, between two cursors.
 fn signals(opened: &Opened, _: Screen) -> Result<()> {
     opened.0.wait("document.querySelector('#plot canvas')");
     opened.0.wait("document.querySelectorAll('.signals input').length > 1");
@@ -95,14 +96,14 @@ fn signals(opened: &Opened, _: Screen) -> Result<()> {
     Ok(())
 }
 
-/// What a release changed.
+/// Shows the changes of a release.
 fn results(opened: &Opened, _: Screen) -> Result<()> {
     let files = releases()?;
     opened.take(&files.iter().take(2).map(String::as_str).collect::<Vec<_>>())?;
     shown_within(opened, "#view-results iframe", "document.querySelector('h1')")
 }
 
-/// A fault of a simulated device, and the case that finds it.
+/// Shows a fault of a simulated device, and the case that finds it.
 fn tried(opened: &Opened, _: Screen) -> Result<()> {
     opened.0.wait("document.querySelector('#try-faults input[value=boot-up-twice]')");
     opened.0.click("#try-faults input[value=boot-up-twice]");

@@ -1,13 +1,13 @@
-//! Which machine runs which tests: each the next longest when it has the least to do.
+//! Distributes the tests over machines: each machine gets the next longest test when it has the least to do.
 
 use anyhow::{Context, Result};
 use std::collections::BTreeMap;
 use std::fs;
 
-/// What each test costs, in seconds of a processor, as a whole run has measured it (`target/vcan/costs.txt`). Where a
-/// test is new or has become longer, its machine ends later than the others; nothing else depends on it.
+/// The cost of each test in seconds of processor time, from the measurement of a whole run (`target/vcan/costs.txt`).
+/// If a test is new or has become longer, its machine ends later than the others; the costs have no other effect.
 const COSTS: &str = "tests/vcan/costs.txt";
-/// What a test costs that is not there.
+/// The assumed cost of a test that the file does not list.
 const UNKNOWN: f64 = 5.0;
 
 pub struct Costs(BTreeMap<String, f64>);
@@ -27,7 +27,7 @@ impl Costs {
     }
 }
 
-/// The names for each machine.
+/// The names of the tests for each machine.
 pub fn deal(names: &[String], machines: usize, costs: &Costs) -> Vec<Vec<String>> {
     let mut longest_first: Vec<&String> = names.iter().collect();
     longest_first.sort_by(|a, b| costs.of(b).total_cmp(&costs.of(a)));

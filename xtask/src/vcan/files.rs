@@ -1,5 +1,5 @@
-//! The files that the machine starts with. It has no disk and no way to this machine's: waiting for one takes a time that
-//! differs from run to run, and everything else in it goes by a clock that counts instructions.
+//! The files in the memory of the machine. It has no disk and no access to this machine's: waiting for a disk takes a
+//! different time in each run, while everything else in the machine follows a clock that counts instructions.
 
 use super::kernel::Kernel;
 use super::{FOLDER, Job};
@@ -15,14 +15,14 @@ use std::process::{Command, Stdio};
 
 /// Programs that the tests start.
 const PROGRAMS: [&str; 2] = ["ip", "chrt"];
-/// Those of other people.
+/// Other people's programs that the tests start.
 const PEERS: [&str; 6] = ["cansend", "candump", "cangen", "canplayer", "slcan_attach", "python"];
-/// Folders of this project that they read.
+/// Folders of this project that the tests read.
 const PROJECT: [&str; 3] = ["docs/examples", "conformance/device/models", "tests/vcan"];
-/// What of the Python environment they need: each begins the name of a folder or file.
+/// The packages of the Python environment that the tests need: each text begins the name of a folder or file.
 const PACKAGES: [&str; 7] = ["can", "packaging", "pyserial", "python_can", "serial", "typing_extensions", "wrapt"];
-/// Parts of Python's library that nobody needs here, wherever they are in it: unpacking them takes the machine longer than
-/// booting its kernel. Each begins the name of a folder or file.
+/// Parts of Python's library that the tests do not need, in any folder: unpacking them takes the machine longer than
+/// booting its kernel. Each text begins the name of a folder or file.
 const UNNEEDED: [&str; 18] = [
     "_ctypes_test",
     "_test",
@@ -44,7 +44,7 @@ const UNNEEDED: [&str; 18] = [
     "xmlrpc",
 ];
 
-/// The archive of all files, which the kernel unpacks into its memory. `names`: the tests of each machine.
+/// Makes the archive of all files, which the kernel unpacks into its memory. `names`: the tests of each machine.
 /// `settings`: variables of their environment.
 pub fn archive(kernel: &Kernel, job: &Job, names: &[Vec<String>], settings: &[(&str, &str)]) -> Result<PathBuf> {
     let root = std::env::current_dir()?;
@@ -97,17 +97,17 @@ pub fn archive(kernel: &Kernel, job: &Job, names: &[Vec<String>], settings: &[(&
     files.pack(&stage, &root.join(FOLDER).join("files.cpio"))
 }
 
-/// A Python that its user has built has symbols for debuggers, three quarters of it.
+/// Whether a file is Python's shared library: if its user has built it, three quarters of it are symbols for debuggers.
 fn is_library_of_python(path: &Path) -> bool {
     path.file_name().is_some_and(|name| name.to_string_lossy().starts_with("libpython"))
 }
 
-/// Files and folders of this machine, under the paths that they have here.
+/// Paths of files and folders of this machine, which are the same in the archive.
 #[derive(Default)]
 struct Files(BTreeSet<PathBuf>);
 
 impl Files {
-    /// A file or folder with the folders above it.
+    /// Adds a file or folder with the folders above it.
     fn add(&mut self, path: &Path) {
         self.0.extend(path.ancestors().filter(|above| above.parent().is_some()).map(Path::to_owned));
     }
@@ -117,7 +117,7 @@ impl Files {
         self.add_needs_of(path)
     }
 
-    /// The libraries of a program or library, as its loader finds them.
+    /// Adds the libraries of a program or library, as its loader finds them.
     fn add_needs_of(&mut self, path: &Path) -> Result<()> {
         let output = Command::new("ldd").arg(path).output().context("ldd")?;
         let text = String::from_utf8_lossy(&output.stdout).into_owned();
@@ -127,7 +127,7 @@ impl Files {
         Ok(())
     }
 
-    /// A folder with all in it that `wanted` wants by its name.
+    /// Adds a folder with all files whose names `wanted` accepts.
     fn add_folder(&mut self, folder: &Path, wanted: &dyn Fn(&str) -> bool) -> Result<()> {
         self.add(folder);
         for entry in fs::read_dir(folder).with_context(|| folder.display().to_string())? {
@@ -147,7 +147,7 @@ impl Files {
         Ok(())
     }
 
-    /// The interpreter's library and the packages of the environment.
+    /// Adds the interpreter's library and the packages of the environment.
     fn add_python(&mut self, root: &Path) -> Result<()> {
         let ask =
             "import sys, sysconfig as s; print(s.get_path('stdlib'), s.get_path('purelib'), sys.prefix, sep='\\n')";
@@ -171,7 +171,8 @@ impl Files {
         Ok(())
     }
 
-    /// Packs them, and the stage over them, which is smaller than the links in their paths are worth: all are followed.
+    /// Packs the files, and the folder `stage` over them. Links are followed, which costs less than keeping the links
+    /// in all paths.
     fn pack(&self, stage: &Path, archive: &Path) -> Result<PathBuf> {
         let mut out = fs::File::create(archive)?;
         let list: Vec<String> = self.0.iter().map(|path| path.to_string_lossy().into_owned()).collect();
@@ -203,7 +204,7 @@ fn found(program: &str) -> Result<PathBuf> {
     paths.find(|path| path.is_file()).with_context(|| format!("{program} is not installed"))
 }
 
-/// A copy of a binary without what only debuggers need, under the same path.
+/// Copies a binary without symbols for debuggers, under the same path.
 fn strip(binary: &Path, stage: &Path) -> Result<()> {
     let copy = stage.join(binary.strip_prefix("/")?);
     fs::create_dir_all(copy.parent().context("a binary has a folder")?)?;

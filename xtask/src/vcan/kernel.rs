@@ -9,17 +9,17 @@ use std::process::Command;
 
 /// A kernel, unpacked.
 pub struct Kernel {
-    /// What QEMU starts.
+    /// The image that QEMU starts.
     pub image: PathBuf,
     version: String,
 }
 
-/// The modules, those that others need first: SocketCAN, virtual interfaces, a controller that QEMU emulates, SLCAN.
-/// python-can sends heartbeats by can-bcm.
+/// The modules, in the order of their dependencies: SocketCAN, virtual interfaces, a controller that QEMU emulates,
+/// SLCAN. python-can sends heartbeats by can-bcm.
 const MODULES: [&str; 7] = ["can", "can-raw", "can-bcm", "can-dev", "vcan", "kvaser_pci", "slcan"];
 
 impl Kernel {
-    /// Debian's newest, fetched by apt-get the first time.
+    /// Debian's newest kernel, fetched by apt-get the first time.
     pub fn fetch() -> Result<Self> {
         let modules = format!("{FOLDER}/kernel/lib/modules");
         if !Path::new(&modules).exists() {
@@ -33,7 +33,7 @@ impl Kernel {
         Ok(Self { image: format!("{FOLDER}/kernel/boot/vmlinuz-{version}").into(), version })
     }
 
-    /// The files of the modules and of all that they need, in the order in which they are loaded.
+    /// The files of the modules and their dependencies, in the order in which they are loaded.
     pub fn modules(&self) -> Result<Vec<PathBuf>> {
         let mut files = Vec::new();
         for module in MODULES {
@@ -53,7 +53,7 @@ impl Kernel {
     }
 }
 
-/// The package, in the folder.
+/// Downloads the package into the folder.
 fn download() -> Result<PathBuf> {
     let newest = || -> Result<Option<String>> {
         let depends = Command::new("apt-cache").args(["depends", "linux-image-amd64"]).output()?;
@@ -77,7 +77,7 @@ fn download() -> Result<PathBuf> {
         .context("apt-get fetched no package")
 }
 
-/// First under another name, so that an interrupted run leaves no half kernel.
+/// Unpacks the package under another name first, so that an interrupted run leaves no incomplete kernel.
 fn unpack(package: &Path) -> Result<()> {
     let unfinished = format!("{FOLDER}/unpacked");
     let _ = fs::remove_dir_all(&unfinished);

@@ -1,6 +1,6 @@
-//! The machine in QEMU. Its clock counts instructions, one for each nanosecond, and jumps where it has nothing to do but
-//! wait: however slow or busy this machine is, that one is never late, and every run is as the one before. A minute of
-//! waiting takes no time.
+//! The machine in QEMU. Its clock counts instructions, one for each nanosecond, and jumps while the machine only waits:
+//! however slow or busy this computer is, the machine is never late, and every run is the same. A minute of waiting
+//! takes no time.
 
 use super::deal::{Costs, deal};
 use super::kernel::Kernel;
@@ -25,12 +25,12 @@ const QEMU: [Package; 6] = [
     Package { program: "strip", probe: &["--version"], package: "binutils" },
 ];
 
-/// A kernel that says nothing but errors, takes the time from the counter of instructions, which never lies here, and
-/// protects nobody from anybody.
+/// Arguments of the kernel: it prints only errors, takes the time from the counter of instructions, which is always
+/// right here, and has no mitigations of processor faults.
 const KERNEL_ARGS: &str = "console=ttyS0 quiet panic=-1 no_timer_check clocksource=tsc tsc=reliable mitigations=off \
                            nokaslr init_on_alloc=0 nowatchdog lsm= canvass_machine=";
 
-/// One processor whose clock counts instructions, no devices but what the tests need.
+/// Arguments of QEMU: one processor whose clock counts instructions, and only the devices that the tests need.
 const QEMU_ARGS: [&str; 21] = [
     "-accel",
     "tcg",
@@ -60,12 +60,12 @@ const SECOND_CONTROLLER: [&str; 2] = ["-device", "kvaser_pci,canbus=wires"];
 /// Installs QEMU.
 ///
 /// # Errors
-/// If it can't be had.
+/// If QEMU can't be installed.
 pub fn install_all() -> Result<()> {
     install(&QEMU).context("can't install QEMU and the packages that start a kernel in it")
 }
 
-/// Runs the tests of those names, dealt out to as many machines as there are processors.
+/// Runs the tests with these names, distributed over as many machines as there are processors.
 /// `settings`: variables of their environment.
 pub fn run(job: &Job, names: &[String], settings: &[(&str, &str)]) -> Result<()> {
     install_all()?;
@@ -89,7 +89,7 @@ pub fn run(job: &Job, names: &[String], settings: &[(&str, &str)]) -> Result<()>
     report.finish(begun.elapsed())
 }
 
-/// Runs a machine until it switches itself off, or has said nothing for longer than `patience`.
+/// Runs a machine until it switches itself off, or has printed nothing for longer than `patience`.
 fn boot(machine: usize, image: &Path, archive: &Path, patience: Duration) -> Result<Vec<Ended>> {
     let mut qemu = Command::new("qemu-system-x86_64");
     qemu.args(QEMU_ARGS).args(SECOND_CONTROLLER).arg("-kernel").arg(image).arg("-initrd").arg(archive);
@@ -107,7 +107,7 @@ fn boot(machine: usize, image: &Path, archive: &Path, patience: Duration) -> Res
     })
 }
 
-/// Ends a machine that says nothing any more.
+/// Ends a machine that has printed nothing for longer than `patience`.
 fn give_up(qemu: &Mutex<Child>, silence: Receiver<()>, patience: Duration) {
     loop {
         match silence.recv_timeout(patience) {
@@ -121,7 +121,7 @@ fn give_up(qemu: &Mutex<Child>, silence: Receiver<()>, patience: Duration) {
     }
 }
 
-/// What a machine says: which tests ended how, and whatever else it prints, which is shown.
+/// Reads the output of a machine: returns the tests that ended, and prints all other lines.
 fn listen(machine: usize, id: u32, output: impl BufRead, alive: Sender<()>) -> Result<Vec<Ended>> {
     let (mut ended, mut since, mut switched_off) = (Vec::new(), (Instant::now(), cpu_time(id)), false);
     let mut begun = None;
@@ -153,7 +153,7 @@ fn listen(machine: usize, id: u32, output: impl BufRead, alive: Sender<()>) -> R
 
 /// The seconds of processor time that a process has taken so far.
 fn cpu_time(id: u32) -> f64 {
-    /// Of user and system time, counted from the field after the name.
+    /// The fields of user and system time, counted from the field after the name.
     const FIELDS: [usize; 2] = [11, 12];
     /// `USER_HZ`, the same on all of Linux.
     const TICKS: f64 = 100.0;

@@ -1,4 +1,4 @@
-//! What the machines say of their tests.
+//! The reports of the machines about their tests.
 
 use super::FOLDER;
 use anyhow::{Result, ensure};
@@ -6,24 +6,24 @@ use std::fmt;
 use std::fs;
 use std::time::Duration;
 
-/// A line by which `tests/vcan/init` tells of a test.
+/// A line that `tests/vcan/init` prints about a test.
 pub enum Line {
-    /// One begins.
+    /// A test begins.
     Begin(Uptime),
-    /// One has ended.
+    /// A test has ended.
     End {
-        /// Its name.
+        /// The name of the test.
         name: String,
         /// 0 if it passed.
         status: String,
         /// The machine's clock.
         uptime: Uptime,
     },
-    /// All have ended.
+    /// All tests have ended.
     All,
 }
 
-/// `/proc/uptime`: seconds since the start of a machine, and those in which it did nothing.
+/// `/proc/uptime`: seconds since the start of a machine, and idle seconds among them.
 #[derive(Clone, Copy, Default)]
 pub struct Uptime {
     total: f64,
@@ -42,7 +42,7 @@ impl Uptime {
 
 impl Line {
     pub fn of(line: &str) -> Option<Self> {
-        // The kernel's or the firmware's last words may stand before it.
+        // Output of the kernel or the firmware may precede the line.
         let words: Vec<&str> = line.split_once("vcan: ")?.1.split_whitespace().collect();
         match words[..] {
             ["begin", _, total, idle] => Some(Self::Begin(Uptime::of(total, idle)?)),
@@ -61,11 +61,11 @@ pub struct Ended {
     pub name: String,
     /// 0 if it passed.
     pub status: String,
-    /// Seconds that it took here.
+    /// Duration in seconds on this computer.
     pub wall: f64,
     /// Seconds of QEMU's processor time.
     pub cpu: f64,
-    /// What it took on the machine's clock.
+    /// Duration on the machine's clock.
     pub took: Uptime,
 }
 
@@ -82,7 +82,7 @@ impl fmt::Display for Ended {
     }
 }
 
-/// The outcome of all.
+/// The results of all tests.
 #[derive(Default)]
 pub struct Report {
     ended: Vec<Ended>,
@@ -90,17 +90,17 @@ pub struct Report {
 }
 
 impl Report {
-    /// Adds what a machine has done of what it was to do.
+    /// Adds the tests that a machine has ended; `names` are all tests that it got.
     pub fn add(&mut self, names: &[String], ended: Vec<Ended>) {
         let is_missing = |name: &&String| ended.iter().all(|test| test.name != **name);
         self.missing.extend(names.iter().filter(is_missing).cloned());
         self.ended.extend(ended);
     }
 
-    /// Says how it went, and writes down what each test has cost.
+    /// Prints the totals, and writes the cost of each test into a file.
     ///
     /// # Errors
-    /// Which tests failed, or did not run.
+    /// The names of tests that failed, or did not run.
     pub fn finish(mut self, wall: Duration) -> Result<()> {
         self.ended.sort_by(|a, b| b.cpu.total_cmp(&a.cpu));
         let costs: String = self.ended.iter().map(|test| format!("{:.1} {}\n", test.cpu, test.name)).collect();

@@ -1,5 +1,5 @@
-//! `cargo xtask web-bench`: how long the page takes, beside the program, and how much memory its tab needs. Nothing is
-//! asserted: times depend on what else the machine does.
+//! `cargo xtask web-bench`: measures the times of the page, beside the program, and the memory of its tab. Nothing is
+//! asserted: times depend on other work of the machine.
 
 use super::browser::{Browser, Opened, Screen};
 use crate::bench::{capture, make};
@@ -14,18 +14,18 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
 const FRAMES: u32 = 1_000_000;
-/// A gigabyte of the usual traffic.
+/// Number of frames in a gigabyte of the usual traffic.
 const MANY: u32 = 23_100_000;
 const LARGE: &str = "target/bench/large.candump";
-/// How often the tab's memory is looked at.
+/// Interval between two measurements of the tab's memory.
 const LOOK: Duration = Duration::from_millis(100);
-/// Rows that are scrolled to.
+/// Number of rows to which the list scrolls.
 const SCROLLED: u32 = 100;
 
 /// Measures and prints.
 ///
 /// # Errors
-/// If something is missing, can't be built, or the page does not answer.
+/// If something is missing or can't be built, or the page does not answer.
 pub fn bench() -> Result<()> {
     install(&[TIME])?;
     browser::install_all()?;
@@ -46,7 +46,7 @@ pub fn bench() -> Result<()> {
     measured
 }
 
-/// From the choice of the file until the page of the diagnosis stands; and rows of the list.
+/// Measures the time from the choice of the file to the page of the diagnosis, and the rows of the list.
 fn million(log: &str) -> Result<()> {
     println!("{FRAMES} frames, {} MB, best of {RUNS} runs", fs::metadata(log)?.len() / 1_000_000);
     let command = [&release("canvass"), "diagnose", "--format", "html", "--fail-on", "never", log];
@@ -58,7 +58,7 @@ fn million(log: &str) -> Result<()> {
         cost(&command, Stdio::null())?;
         program = least(program, began.elapsed().as_secs_f64());
         let opened = Opened::new(Screen::Desk)?;
-        // Who drops a capture has opened the page a moment before.
+        // A user opens the page a moment before dropping a capture.
         opened.0.wait("performance.getEntriesByName('canvass-warm').length > 0");
         opened.take(&[log])?;
         page = least(page, diagnosed(&opened.0));
@@ -83,13 +83,13 @@ fn least(known: Option<f64>, new: f64) -> Option<f64> {
     Some(known.map_or(new, |known| known.min(new)))
 }
 
-/// Seconds, by the page's own clock.
+/// The seconds until the diagnosis, by the page's own clock.
 fn diagnosed(browser: &Browser) -> f64 {
     browser.wait_for("performance.getEntriesByName('canvass-diagnosis').length > 0", Duration::from_secs(600));
     browser.number("return performance.getEntriesByName('canvass-diagnosis').at(-1).duration") / 1e3
 }
 
-/// Milliseconds from the move of the scroll bar until all rows there have their texts: the middle and the most.
+/// Milliseconds from a move of the scroll bar until all rows there have their texts: the median and the maximum.
 fn scrolled(browser: &Browser) -> Result<[f64; 2]> {
     let script = format!(
         "return (async () => {{
@@ -118,7 +118,7 @@ fn scrolled(browser: &Browser) -> Result<[f64; 2]> {
     Ok([time(0)?, time(1)?])
 }
 
-/// The memory of the tab, and how soon it stops when it is told so.
+/// Measures the memory of the tab, and how quickly it reacts to a cancellation.
 fn gigabyte() -> Result<()> {
     let opened = Opened::new(Screen::Desk)?;
     let empty = opened.0.memory()?;
@@ -145,7 +145,7 @@ fn gigabyte() -> Result<()> {
     Ok(())
 }
 
-/// Does something, and looks at the tab's memory meanwhile: the most that it was, in kB.
+/// Does something, and measures the peak of the tab's memory meanwhile, in kB.
 fn watched<T>(browser: &Browser, does: impl FnOnce() -> Result<T>) -> Result<(T, u64)> {
     let ended = AtomicBool::new(false);
     std::thread::scope(|scope| {

@@ -1,5 +1,5 @@
-//! JavaScript for WebAssembly: by the library of wasm-bindgen, so that no program has to be installed in the version that
-//! fits. It is much to build, so it stands behind a feature that only this asks for.
+//! JavaScript for WebAssembly, by the library of wasm-bindgen, so that no program of the matching version has to be
+//! installed. The library takes long to build, so it is behind a feature that only this needs.
 
 use anyhow::Result;
 

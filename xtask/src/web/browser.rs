@@ -1,4 +1,4 @@
-//! The page in Chromium, for what is measured and photographed.
+//! The page in Chromium, for measurements and pictures.
 
 pub use canvass_webdriver::{Browser, Screen};
 
@@ -9,20 +9,20 @@ use std::path::Path;
 pub struct Opened(pub Browser);
 
 impl Opened {
-    /// As it is opened first.
+    /// Opens the page without files.
     ///
     /// # Errors
-    /// If it was not made.
+    /// If the page was not made.
     pub fn new(screen: Screen) -> Result<Self> {
         let browser = Browser::open(&super::file()?, screen);
         browser.wait("document.documentElement.dataset.ready === 'yes'");
         Ok(Self(browser))
     }
 
-    /// Gives it files, as the file dialog does.
+    /// Opens files in the page, as the file dialog does.
     ///
     /// # Errors
-    /// If one is not there.
+    /// If a file does not exist.
     pub fn take(&self, files: &[&str]) -> Result<()> {
         let paths = files.iter().map(|file| Ok(std::fs::canonicalize(Path::new(file))?.display().to_string()));
         self.0.fill("#files", &paths.collect::<Result<Vec<_>>>()?.join("\n"));

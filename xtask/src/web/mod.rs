@@ -1,4 +1,4 @@
-//! The page: the libraries as WebAssembly with what shows them, as a folder and as one file, in `target/page`.
+//! The page: the libraries as WebAssembly with their user interface, as a folder and as one file, in `target/page`.
 
 #[cfg(feature = "web")]
 mod bench;
@@ -16,19 +16,19 @@ use crate::target;
 use anyhow::{Result, bail, ensure};
 use std::path::Path;
 
-/// Where the page is made.
+/// The output folder of the page.
 pub const FOLDER: &str = "target/page";
 const TARGET: &str = "wasm32-unknown-unknown";
 const WASM: &str = "target/wasm32-unknown-unknown/web/canvass_web.wasm";
-/// What of the page is not Rust.
+/// The folder with the parts of the page that are not Rust.
 const SOURCE: &str = "web/page";
-/// The page may be sent by mail: its WebAssembly, compressed, at most.
+/// Maximum size of the compressed WebAssembly in bytes, as the page may be sent by mail.
 const MOST: u64 = 2_500_000;
 
 /// Makes the page.
 ///
 /// # Errors
-/// If something is missing for that, or fails.
+/// If a tool is missing, or fails.
 pub fn build() -> Result<()> {
     prepare()?;
     run("cargo", &["build", "--package", "canvass-web", "--target", TARGET, "--profile", "web", "--locked"])?;
@@ -40,20 +40,20 @@ pub fn build() -> Result<()> {
     Ok(())
 }
 
-/// Fetches what it is made with.
+/// Fetches the tools for the page.
 ///
 /// # Errors
-/// If something can't be had.
+/// If a tool can't be installed.
 pub fn prepare() -> Result<()> {
     let missing = missing();
     ensure!(missing.is_empty(), "the page can't be made: {}", missing.join("; "));
     install()
 }
 
-/// What [`build`] asks an xtask for that can make JavaScript for WebAssembly.
+/// Makes the JavaScript for the WebAssembly; [`build`] calls it in an xtask with the feature `web`.
 ///
 /// # Errors
-/// If the words are not a module and a folder, or it can't be made.
+/// If the words are not a module and a folder, or the JavaScript can't be made.
 pub fn bind(words: &[String]) -> Result<()> {
     let [wasm, folder] = words else { bail!("expected a module and a folder") };
     bind::bind(wasm, folder)
@@ -62,13 +62,13 @@ pub fn bind(words: &[String]) -> Result<()> {
 /// Measures the page.
 ///
 /// # Errors
-/// If an xtask that can drive a browser can't be built, or what it does fails.
+/// If an xtask that can drive a browser can't be built, or its command fails.
 #[cfg(not(feature = "web"))]
 pub fn bench() -> Result<()> {
     by_another(&["web-bench"])
 }
 
-/// Runs a command by an xtask with the feature `web`, which only what needs it waits for.
+/// Runs a command by an xtask with the feature `web`, so that other commands need not wait for its build.
 ///
 /// # Errors
 /// If that xtask can't be built, or the command fails.
@@ -78,30 +78,31 @@ pub fn by_another(words: &[&str]) -> Result<()> {
     run("cargo", &[&xtask[..], consent::words(), words].concat())
 }
 
-/// The page as one file.
+/// The path of the page as one file.
 #[cfg(feature = "web")]
 pub fn file() -> Result<std::path::PathBuf> {
     Ok(std::fs::canonicalize(format!("{FOLDER}/canvass.html"))?)
 }
 
-/// Makes the page and tries it: the same bytes as the program's for every sample, and no request in Chromium.
+/// Makes and tests the page: the same bytes as the program's for every sample, and no request in Chromium.
 ///
 /// # Errors
-/// If it can't be made, or a test fails.
+/// If the page can't be made, or a test fails.
 pub fn test() -> Result<()> {
     chromium::install_all()?;
     run("cargo", &["build", "--locked", "--bin", "canvass"])?;
     tried(|| run("cargo", &["test", "--locked", "--features", "page", "--test", "page"]))
 }
 
-/// Makes the page and tries it beside the program that lies there.
+/// Makes and tests the page beside the program that is already built.
 fn tried(in_browser: impl FnOnce() -> Result<()>) -> Result<()> {
     build()?;
     run("node", &["--test", "web/page/tests/equal.test.mjs"])?;
     in_browser()
 }
 
-/// The step of CI, with its tests in Chromium: where something is missing that can't be had, it is left out, and said so.
+/// The step of CI, with its tests in Chromium. If a tool is missing and can't be installed, the step is left out with a
+/// message.
 ///
 /// # Errors
 /// As [`test()`].
@@ -110,7 +111,7 @@ pub fn step(in_browser: impl FnOnce() -> Result<()>) -> Result<()> {
     if let Err(error) = chromium::install_all() {
         missing.push(format!("{error:#}"));
     }
-    // Without a network npm brings nothing, and that is no fault of the page.
+    // Without a network npm can't install packages, which is no fault of the page.
     if missing.is_empty()
         && let Err(error) = install()
     {
@@ -123,7 +124,7 @@ pub fn step(in_browser: impl FnOnce() -> Result<()>) -> Result<()> {
     Ok(())
 }
 
-/// What is neither there nor to be had.
+/// The tools that are missing and can't be installed.
 fn missing() -> Vec<String> {
     let mut missing = Vec::new();
     if let Err(error) = target::add(TARGET) {
@@ -137,11 +138,11 @@ fn missing() -> Vec<String> {
     missing
 }
 
-/// What of npm lies in its folder, with what it was made from.
+/// The file that npm writes after an installation, and the file from which it installs.
 const INSTALLED: &str = "node_modules/.package-lock.json";
 const LOCKED: &str = "package-lock.json";
 
-/// The packages that the lock file names, where they are not there yet.
+/// Installs the packages of the lock file, unless they are installed.
 fn install() -> Result<()> {
     let changed = |file: &str| Path::new(SOURCE).join(file).metadata().and_then(|known| known.modified()).ok();
     if changed(INSTALLED) > changed(LOCKED) {

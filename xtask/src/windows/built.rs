@@ -1,4 +1,4 @@
-//! What cargo compiles for Windows.
+//! The products of cargo for Windows.
 
 use super::{TARGET, plain_path};
 use crate::compiled::compile;
@@ -7,7 +7,7 @@ use anyhow::Result;
 /// The program, which is built with its tests.
 pub const PROGRAM: &str = "target/x86_64-pc-windows-gnu/debug/canvass.exe";
 
-/// Whose tests run: those of the program, and those of the buses, which meet the system.
+/// The test programs to run: those of the program, and those of the buses, which use the system directly.
 const TESTS: [&str; 11] = [
     "--package",
     "canvass",
@@ -22,20 +22,20 @@ const TESTS: [&str; 11] = [
     "pcan",
 ];
 
-/// Builds the tests, and the program with them; gives their files.
+/// Builds the tests, and the program with them; returns the paths of the tests.
 ///
 /// # Errors
-/// If that fails, or the compiler warns of anything in this workspace.
+/// If the build fails, or the compiler warns of anything in this workspace.
 pub fn tests() -> Result<Vec<String>> {
     let args = [&["test", "--no-run", "--locked", "--target", TARGET], &TESTS[..]].concat();
     let built = compile(&mut plain_path::cargo()?.command, &args)?.without_warnings()?;
     Ok(built.tests.into_iter().map(|file| file.to_string_lossy().into_owned()).collect())
 }
 
-/// Has the compiler look at all of it, and build none: nothing is translated for a processor, and nothing linked.
+/// Checks all code by the compiler, without generating or linking machine code.
 ///
 /// # Errors
-/// If it can't be compiled, or the compiler warns of anything in this workspace.
+/// If the code can't be compiled, or the compiler warns of anything in this workspace.
 pub fn check() -> Result<()> {
     let args = [&["check", "--profile", "test", "--locked", "--target", TARGET], &TESTS[..]].concat();
     compile(&mut plain_path::cargo()?.command, &args)?.without_warnings()?;

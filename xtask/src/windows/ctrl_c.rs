@@ -1,5 +1,5 @@
-//! Ctrl-C on a console of Windows: the run ends, the device is put back, the report is written. The console is one that Wine
-//! makes on a pseudo-terminal, as it gives programs without a console no such events.
+//! Ctrl-C on a console of Windows: the run ends, the device is restored, the report is written. Wine makes the console
+//! on a pseudo-terminal, as it sends no such events to programs without a console.
 
 use super::wine::{FOLDER, Prefix};
 use anyhow::{Context, Result, bail, ensure};
@@ -12,21 +12,21 @@ use std::process::{Child, ExitStatus, Stdio};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// A run that does not end by itself in that time.
+/// The arguments of a run that does not end by itself within the time limit.
 const RUN: [&str; 6] = ["test", "sim:reference-301", "--exhaustive", "--repeat", "1000", "--report"];
-/// What the console shows once a case has passed: of a run in which none was decided the status is another.
+/// The text that the console shows after the first passed case: a run without any verdict has another exit status.
 const RUNNING: &str = "301/cob-id/";
-/// How long a busy machine may need until they do.
+/// Time limit on a busy machine until the console shows this text.
 const BEGIN: Duration = Duration::from_secs(180);
-/// How long what follows may take.
+/// Time limit for the end of the run after Ctrl-C.
 const PATIENCE: Duration = Duration::from_secs(120);
-/// So much of what was shown is told where it did not end as it should.
+/// Number of characters of the console's output in an error message.
 const TOLD: usize = 2_000;
 
-/// Presses it.
+/// Presses Ctrl-C during a run.
 ///
 /// # Errors
-/// If the run does not end as it should.
+/// If the run does not end as expected.
 pub fn press(prefix: &Prefix, program: &str) -> Result<()> {
     let report = Path::new(FOLDER).join("interrupted.json");
     let _ = std::fs::remove_file(&report);
@@ -35,7 +35,7 @@ pub fn press(prefix: &Prefix, program: &str) -> Result<()> {
     let text = text.with_context(|| format!("expected a report of the run, which ended with {status}: {shown}"))?;
     let document: Value = serde_json::from_str(&text).context("expected the report of an interrupted run")?;
     ensure!(status.code() == Some(1), "expected status 1 of an interrupted run, found {status}: {shown}");
-    // It may come between two cases.
+    // Ctrl-C may come between two cases.
     ensure!(document["cancelled"] == true, "expected a run that was cancelled, found {}", document["summary"]);
     eprintln!(
         "Ctrl-C on a console: the run ended after {} cases, with its report",
@@ -44,7 +44,7 @@ pub fn press(prefix: &Prefix, program: &str) -> Result<()> {
     Ok(())
 }
 
-/// A run that was ended, and the last that its console has shown.
+/// An interrupted run, with the last output of its console.
 struct Interrupted {
     status: ExitStatus,
     shown: String,
@@ -58,7 +58,7 @@ fn interrupted(prefix: &Prefix, program: &str, report: &Path) -> Result<Interrup
     let mut running = wine.stdin(side()?).stdout(side()?).stderr(side()?).spawn().context("wine")?;
     let mut keys = File::from(terminal.master);
     let shown = Arc::new(Mutex::new(String::new()));
-    // A console that nobody reads waits.
+    // The program would block if nothing read its console.
     let (from, to) = (keys.try_clone()?, Arc::clone(&shown));
     std::thread::spawn(move || read(from, &to));
     let told = || {
@@ -66,7 +66,7 @@ fn interrupted(prefix: &Prefix, program: &str, report: &Path) -> Result<Interrup
         let from = shown.char_indices().rev().nth(TOLD).map_or(0, |(at, _)| at);
         shown.get(from..).unwrap_or_default().to_owned()
     };
-    // Keys that are pressed before anybody listens are lost.
+    // Keys pressed before the program reads them are lost.
     let is_running = || shown.lock().unwrap_or_else(PoisonError::into_inner).contains(RUNNING);
     let begun = Instant::now();
     while !is_running() {
@@ -87,7 +87,7 @@ fn interrupted(prefix: &Prefix, program: &str, report: &Path) -> Result<Interrup
     }
 }
 
-/// What the console shows, until it is closed.
+/// Reads the output of the console until it is closed.
 fn read(mut console: File, shown: &Mutex<String>) {
     let mut buffer = [0; 4096];
     while let Ok(length @ 1..) = console.read(&mut buffer) {
@@ -96,7 +96,7 @@ fn read(mut console: File, shown: &Mutex<String>) {
     }
 }
 
-/// How it ended; `None` if it did not by itself.
+/// Waits for the end of the run; `None` if it did not end by itself.
 fn ended(running: &mut Child) -> Result<Option<ExitStatus>> {
     let begun = Instant::now();
     while begun.elapsed() < PATIENCE {

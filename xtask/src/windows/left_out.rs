@@ -1,18 +1,18 @@
-//! Which tests are not there on Windows, and why: what stands behind `cfg(unix)`, with the reason in the same line.
+//! The tests that are left out on Windows: items with `cfg(unix)`, whose line gives the reason.
 
 use anyhow::{Context, Result, bail};
 use std::path::Path;
 
-/// Tests that are left out for one reason.
+/// Tests that are left out for the same reason.
 pub struct Group {
     pub reason: String,
     pub tests: Vec<String>,
 }
 
-/// Those of a folder with a `main.rs`.
+/// The left-out tests of a folder with a `main.rs`.
 ///
 /// # Errors
-/// If a test is left out and nothing says why.
+/// If a test is left out without a reason.
 pub fn read(folder: &str) -> Result<Vec<Group>> {
     let read = |name: &str| {
         let path = Path::new(folder).join(name);
@@ -46,7 +46,7 @@ fn tests(source: &str) -> Vec<&str> {
         .collect()
 }
 
-/// What is declared behind each `cfg(unix)` that says why, or is a test: the reason and the name.
+/// The reason and the name of each item with `cfg(unix)` that has a reason, or is a test.
 fn behind_cfg(source: &str, declared: &str) -> Result<Vec<(String, String)>> {
     let lines: Vec<&str> = source.lines().collect();
     let mut found = Vec::new();

@@ -11,18 +11,18 @@ use crate::packages::{self, Package};
 use crate::target;
 use anyhow::{Context, Result, ensure};
 
-/// By MinGW, as the compilers of Windows are not to be had here.
+/// The target of MinGW, as the compilers of Windows are not available here.
 pub const TARGET: &str = "x86_64-pc-windows-gnu";
 /// The C parts (zstd, lz4) need a compiler for that target, and Rust its linker.
 pub const COMPILER: Package =
     Package { program: "x86_64-w64-mingw32-gcc", probe: &["--version"], package: "gcc-mingw-w64-x86-64" };
-/// Of 64 bits: that of 32 is only recommended, and not needed.
+/// Wine of 64 bits: Wine of 32 bits is only recommended, and not needed.
 const WINE: Package = Package { program: "wine", probe: &["--version"], package: "wine" };
 
-/// Builds the program as it is given away.
+/// Builds the program for a release.
 ///
 /// # Errors
-/// If it can't be built.
+/// If the program can't be built.
 pub fn release() -> Result<()> {
     let args = ["build", "--release", "--locked", "--bin", "canvass", "--target", TARGET];
     eprintln!("$ cargo {}", args.join(" "));
@@ -31,10 +31,10 @@ pub fn release() -> Result<()> {
     Ok(())
 }
 
-/// Builds, and runs all tests of the program that need no Unix.
+/// Builds the program, and runs all its tests that need no Unix.
 ///
 /// # Errors
-/// If something is missing for that, the compiler warns, or a test fails.
+/// If a tool is missing, the compiler warns, or a test fails.
 pub fn test() -> Result<()> {
     packages::install(&[WINE])?;
     install_compiler()?;
@@ -56,20 +56,21 @@ pub fn test() -> Result<()> {
     Ok(())
 }
 
-/// Installs what compiles for Windows.
+/// Installs the compiler for Windows.
 ///
 /// # Errors
-/// If it can't be had.
+/// If it can't be installed.
 pub fn install_compiler() -> Result<()> {
     packages::install(&[COMPILER])?;
     target::add(TARGET)
 }
 
-/// The step of CI: all of it compiles, and the compiler warns of nothing. Where something is missing that can't be had, it is
-/// left out, and said so. [`test()`] links it too and runs its tests: nightly, because that takes a quarter of an hour.
+/// The step of CI: all code compiles without warnings. If a tool is missing and can't be installed, the step is left
+/// out with a message. [`test()`] also links the code and runs its tests: nightly, because that takes a quarter of an
+/// hour.
 ///
 /// # Errors
-/// If the compiler warns, or it can't be compiled.
+/// If the compiler warns, or the code can't be compiled.
 pub fn step() -> Result<()> {
     if let Err(missing) = install_compiler() {
         eprintln!("LEFT OUT: nothing was compiled for Windows, because {missing:#}");

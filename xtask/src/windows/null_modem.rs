@@ -1,4 +1,4 @@
-//! Two serial ports that are joined, for programs of Windows: pseudo-terminals, which Wine takes for ports.
+//! Two joined serial ports for programs of Windows: pseudo-terminals, which Wine treats as ports.
 
 use anyhow::{Context, Result};
 use nix::pty::openpty;
@@ -9,16 +9,16 @@ use std::path::Path;
 
 /// The names of the ports.
 pub const PORTS: [&str; 2] = ["COM3", "COM4"];
-/// The variable by which the tests know them.
+/// The variable that names the ports to the tests.
 pub const VARIABLE: &str = "CANVASS_NULL_MODEM";
 
-/// What keeps the ports there.
+/// The joined ports, which exist until this is dropped.
 pub struct NullModem {
     _open: [OwnedFd; 2],
 }
 
 impl NullModem {
-    /// Joins them, in the Windows of that folder.
+    /// Joins the ports, in the Windows of this folder.
     pub fn join(windows: &Path) -> Result<Self> {
         let [(near, first), (far, second)] = [port(windows, PORTS[0])?, port(windows, PORTS[1])?];
         forward(near.try_clone()?, far.try_clone()?);
@@ -27,7 +27,7 @@ impl NullModem {
     }
 }
 
-/// The end of a port that no program opens, and what keeps it from being closed with the last program.
+/// Creates a port: the end that no program opens, and a handle that keeps the port open after the last program.
 fn port(windows: &Path, name: &str) -> Result<(File, OwnedFd)> {
     let terminal = openpty(None, None).context("a pseudo-terminal")?;
     let mut settings = tcgetattr(&terminal.slave)?;
@@ -40,7 +40,7 @@ fn port(windows: &Path, name: &str) -> Result<(File, OwnedFd)> {
     Ok((File::from(terminal.master), terminal.slave))
 }
 
-/// What comes from one end goes to the other, until this program ends.
+/// Copies bytes from one end to the other, until this program ends.
 fn forward(mut from: File, mut to: File) {
     std::thread::spawn(move || std::io::copy(&mut from, &mut to));
 }

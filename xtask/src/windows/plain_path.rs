@@ -1,4 +1,4 @@
-//! cargo for Windows, wherever the project is: MinGW's dlltool, which the compiler calls, cuts the names of files at blanks.
+//! cargo for Windows in any project folder: MinGW's dlltool, which the compiler calls, cuts file names at blanks.
 
 use anyhow::{Context, Result};
 use std::os::unix::fs::symlink;
@@ -7,7 +7,7 @@ use tempfile::TempDir;
 
 /// A call of cargo, and the link by which it reaches `target`, if the project's own path has blanks.
 pub struct Cargo {
-    /// The call.
+    /// The call of cargo.
     pub command: Command,
     _link: Option<TempDir>,
 }

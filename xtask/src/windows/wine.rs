@@ -1,4 +1,4 @@
-//! A Windows of its own for the tests, made by Wine.
+//! A separate Windows for the tests, made by Wine.
 
 use super::COMPILER;
 use super::null_modem::{self, NullModem};
@@ -8,9 +8,10 @@ use std::io::{BufRead, BufReader};
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// What is built for it.
+/// The folder for files built for Wine.
 pub const FOLDER: &str = "target/windows";
-/// Random numbers, as Rust asks Windows for them. Wine has this library from version 9 on; Debian 12 has version 8.
+/// The source of a library with random numbers, as Rust requests them from Windows. Wine has this library from version
+/// 9 on; Debian 12 has version 8.
 const RANDOM: &str = "\
 #include <windows.h>
 #include <ntsecapi.h>
@@ -18,16 +19,16 @@ __declspec(dllexport) BOOL WINAPI ProcessPrng(PBYTE data, SIZE_T length) {
     return RtlGenRandom(data, (ULONG)length);
 }
 ";
-/// PEAK's library, as far as tests need it.
+/// A stand-in for PEAK's library, with the functions that the tests need.
 const PCAN: &str = "conformance/bus/tests/pcan/stand_in.c";
 
-/// The folder that Wine takes for the disk of a Windows.
+/// The folder that Wine uses as the disk of a Windows.
 pub struct Prefix {
     folder: PathBuf,
     _ports: Option<NullModem>,
 }
 
-/// How tests ended.
+/// The numbers of passed and failed tests.
 #[derive(Default)]
 pub struct Counts {
     pub passed: usize,
@@ -43,7 +44,7 @@ impl Counts {
         (self.passed, self.failed) = (self.passed + other.passed, self.failed + other.failed);
     }
 
-    /// What a test's last line counts: `test result: ok. 31 passed; 0 failed; ...`.
+    /// The counts in a test's last line: `test result: ok. 31 passed; 0 failed; ...`.
     fn told(line: &str) -> Option<Self> {
         let counts = line.strip_prefix("test result: ")?.split_once(". ")?.1;
         let count = |what| counts.split("; ").find_map(|part| part.strip_suffix(what)?.trim().parse().ok());
@@ -52,13 +53,13 @@ impl Counts {
 }
 
 impl Prefix {
-    /// Makes it, with the libraries that the tests need.
+    /// Makes the Windows, with the libraries that the tests need.
     pub fn make() -> Result<Self> {
         let folder = std::env::current_dir()?.join(FOLDER);
         std::fs::create_dir_all(&folder)?;
         let mut prefix = Self { folder: folder.join("wine"), _ports: None };
         let system = prefix.folder.join("drive_c/windows/system32");
-        // One whose making was interrupted has not all of it.
+        // A Windows whose creation was interrupted lacks this file.
         if !system.join("kernel32.dll").exists() {
             eprintln!("$ wineboot");
             let made = prefix.wine(&["wineboot", "--init"]).status().context("wine")?;
@@ -67,7 +68,7 @@ impl Prefix {
         let source = folder.join("random.c");
         std::fs::write(&source, RANDOM)?;
         library(&source, &system.join("bcryptprimitives.dll"), &["-ladvapi32"])?;
-        // Beside the tests, not where programs find it: whoever wants it says so.
+        // The stand-in is not where programs find libraries: tests that need it set the path.
         library(Path::new(PCAN), &folder.join("PCANBasic.dll"), &["-lws2_32", "-lpthread"])?;
         prefix._ports = Some(NullModem::join(&prefix.folder)?);
         Ok(prefix)
@@ -78,7 +79,8 @@ impl Prefix {
         self.with_surroundings(Command::new("wine"), args)
     }
 
-    /// The same, on the terminal that is its standard input: Ctrl-C is heard only by who has that as its own.
+    /// A program of Windows on the terminal that is its standard input: Ctrl-C reaches only programs for which this is
+    /// the controlling terminal.
     pub fn wine_on_terminal(&self, args: &[&str]) -> Command {
         let mut setsid = Command::new("setsid");
         setsid.args(["--ctty", "wine"]);
@@ -87,14 +89,14 @@ impl Prefix {
 
     fn with_surroundings(&self, mut wine: Command, args: &[&str]) -> Command {
         wine.args(args).env("WINEPREFIX", &self.folder).stdin(Stdio::null());
-        // Neither what is not implemented is reported, nor is anything offered for installation; the library made here goes
-        // before Wine's own.
+        // Wine reports no unimplemented functions and offers no installations; the library made here precedes Wine's
+        // own.
         wine.env(null_modem::VARIABLE, null_modem::PORTS.join(","));
         wine.env("WINEDEBUG", "-all").env("WINEDLLOVERRIDES", "mscoree,mshtml=;bcryptprimitives=n,b");
         wine
     }
 
-    /// Runs the tests in a file, and shows what they say.
+    /// Runs the tests in a file, and prints their output.
     pub fn run(&self, tests: &str) -> Result<Counts> {
         eprintln!("$ wine {tests}");
         let mut running = self.wine(&[tests]).stdout(Stdio::piped()).spawn().context("wine")?;
@@ -103,7 +105,7 @@ impl Prefix {
             let line = line?;
             let line = line.trim_end();
             counts = counts.or(Counts::told(line));
-            // Those that pass are many.
+            // Passed tests are not printed, as they are many.
             if !line.ends_with(" ... ok") {
                 eprintln!("{line}");
             }
@@ -114,9 +116,9 @@ impl Prefix {
 }
 
 impl Drop for Prefix {
-    /// What of Wine goes on for a while after the last program.
+    /// Ends the processes of Wine that would continue after the last program.
     fn drop(&mut self) {
-        // It ends by itself where that fails.
+        // If the command fails, Wine ends by itself.
         let _ = self.wine(&["wineboot", "--end-session", "--shutdown"]).stderr(Stdio::null()).status();
     }
 }

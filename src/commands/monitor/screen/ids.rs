@@ -10,7 +10,7 @@ use std::collections::BTreeMap;
 
 /// Maximum number of rows: a device that uses every identifier must not exhaust the memory.
 const MOST: usize = 4_096;
-/// How long a changed byte stays marked.
+/// Time during which a changed byte stays marked.
 const MARKED: Duration = Duration::from_secs(1);
 
 /// The rows, by CAN-ID.

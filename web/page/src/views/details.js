@@ -1,6 +1,6 @@
 import { button, counted, element, facts, table } from "../dom.js";
 
-/** All that is known of one frame. */
+/** Shows the details of one frame. */
 export function showDetails(root, known, row, { goTo, jumpTo }) {
   if (!known) return root.replaceChildren();
   const close = button("×", () => root.replaceChildren(), { class: "plain close", "aria-label": "Close" });
@@ -31,7 +31,7 @@ function section(name, rows) {
   return rows.length > 0 ? element("div", {}, element("h3", {}, name), facts(rows)) : null;
 }
 
-/** The SDO transfer that it belongs to. */
+/** The SDO transfer to which the frame belongs. */
 function transfer(known, jumpTo) {
   if (!known) return null;
   const shown = section("SDO transfer", [

@@ -7,7 +7,7 @@ const WELCOME = [
 ];
 const FORMS = [["json", "json"], ["markdown", "md"], ["junit", "xml"], ["table", "txt"]];
 
-/** The page that `canvass diagnose --format html` writes. */
+/** The view of the page that `canvass diagnose --format html` writes. */
 export function diagnosisView(app, root) {
   let shown = null;
   let page = null;
@@ -45,7 +45,7 @@ export function diagnosisView(app, root) {
     await fill();
   }
 
-  /** The timeline and the plots of the report show the time that another view points at. */
+  /** Moves the cursor in the timeline and the plots of the report to the time of another view. */
   function point(seconds) {
     page?.contentWindow?.postMessage({ cursor: seconds }, "*");
     tell(seconds);
@@ -66,7 +66,7 @@ export function diagnosisView(app, root) {
   return view;
 }
 
-/** What could not be read. */
+/** The damage in the captures. */
 function damage({ damage, damages }) {
   if (damage.length === 0) return null;
   const lines = damage.map((line) => element("li", {}, line));

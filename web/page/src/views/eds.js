@@ -1,6 +1,6 @@
 import { button, counted, element, frame, table, welcome } from "../dom.js";
 
-/** Device descriptions: which nodes they are of, what is wrong in them, and their dictionary. */
+/** The view of device descriptions: their nodes, findings and dictionaries. */
 export function edsView(app, root) {
   let chosen = null;
 

@@ -13,7 +13,7 @@ const PRINTED = [
 ];
 const ENDINGS = { candump: "log", "python-can-csv": "csv" };
 
-/** What the program prints and writes of captures, by download. */
+/** The view for downloads of the outputs that the program has for captures. */
 export function exportView(app, root) {
   function fill() {
     if (!app.summary) {

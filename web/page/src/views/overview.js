@@ -3,7 +3,7 @@ import { element } from "../dom.js";
 
 const HEIGHT = 40;
 
-/** `point(seconds)` is told where somebody points at. */
+/** The overview of the frames; calls `point(seconds)` when the user points at a time. */
 export function overview(point) {
   const canvas = element("canvas", { height: HEIGHT });
   const line = element("div", { class: "cursor", hidden: true });
@@ -35,7 +35,7 @@ export function overview(point) {
     place();
   }
 
-  /** The counts by pixels. */
+  /** The counts for each column of pixels. */
   function inColumns(width) {
     const columns = Array.from({ length: width }, () => known.kinds.map(() => 0));
     known.parts.forEach((part, n) => {
@@ -79,7 +79,7 @@ export function overview(point) {
   return {
     root,
     draw,
-    /** The frames of these captures; none: nothing. */
+    /** Shows the frames of these captures; nothing if there are none. */
     show(told) {
       known = told;
       root.hidden = !told;

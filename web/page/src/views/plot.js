@@ -7,15 +7,15 @@ const MARKS = [["A", "#c2185b"], ["B", "#00838f"]];
 const scale = (unit) => `unit ${unit}`;
 
 /**
- * A plot in an element. `points(column, from, to, parts)` gives times and values, `marks()` the cursors' times;
- * `mark(seconds, other)` is told where a cursor is set, the first or the other one.
+ * A plot in an element. `points(column, from, to, parts)` returns times and values, `marks()` the cursors' times;
+ * `mark(seconds, other)` is called when the user sets the first or the other cursor.
  */
 export function plotOf(area, { points, marks, mark }) {
   let plot = null;
   let drawn = [];
   let turn = 0;
 
-  /** The values of a span, on one axis of time. */
+  /** The values of a span, on a common time axis. */
   async function data(from, to) {
     const parts = Math.max(200, area.clientWidth);
     const all = await Promise.all(drawn.map(({ column }) => points(column, from, to, parts)));
@@ -109,7 +109,7 @@ export function plotOf(area, { points, marks, mark }) {
     act();
   }
 
-  /** The plot with the names of what it shows, as a PNG. */
+  /** The plot with the names of its columns, as a PNG. */
   function picture() {
     const { canvas } = plot.ctx;
     const line = 18 * devicePixelRatio;

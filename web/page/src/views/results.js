@@ -2,7 +2,7 @@ import { button, count, counted, element, facts, frame, table, welcome } from ".
 
 const WELCOME = "Drop results here: the JSON of canvass test, fuzz, compare or history. Two results of test are compared, more become a history; simulated devices under Try it make some.";
 
-/** Results of `canvass test`, `fuzz` and `compare` that were dropped as JSON. */
+/** The view of results of `canvass test`, `fuzz` and `compare` that were dropped as JSON. */
 export function resultsView(app, root) {
   const page = element("div", { class: "description" });
 
@@ -36,7 +36,7 @@ export function resultsView(app, root) {
     }
   }
 
-  /** The rows of a result, with what each says in full. */
+  /** Shows the rows of a result; each row opens to its details. */
   function show({ name, known }) {
     const rows = known ? rowsOf(known) : null;
     if (!rows) return page.replaceChildren(welcome(`${name} is no result of canvass: ${told(known)}.`));
@@ -66,7 +66,7 @@ function parse(bytes) {
   }
 }
 
-/** In short. */
+/** A summary of a result. */
 function told(known) {
   if (!known) return "it is not JSON";
   const counts = known.summary && typeof known.summary === "object" ? Object.entries(known.summary) : [];
@@ -76,7 +76,7 @@ function told(known) {
   return typeof known.schema === "string" ? known.schema : "it names no schema";
 }
 
-/** What was tested, and how. */
+/** The device and the conditions of the test. */
 function head(known) {
   const { device = {}, provenance = {} } = known;
   return facts([
@@ -91,11 +91,11 @@ function head(known) {
   ]);
 }
 
-/** Those first that are worth it. */
+/** The verdicts in the order of their rows: the most important first. */
 const ORDER = ["fail", "error", "inconclusive", "deviation", "tolerated", "pass", "not_applicable"];
 const list = (value) => (Array.isArray(value) ? value : []);
 
-/** The entries of a result; null: it has none that are known. */
+/** The entries of a result; null if it has none of a known kind. */
 function rowsOf(known) {
   const row = (kind, title, text, parts, whole) => ({ kind, title, text, parts, whole, searched: JSON.stringify(whole).toLowerCase() });
   if (Array.isArray(known.cases) && known.cases.every((one) => one?.id && one.verdict)) {
@@ -114,7 +114,7 @@ function rowsOf(known) {
   return typeof known.schema === "string" ? [row("", known.schema, "", () => [], known)] : null;
 }
 
-/** A case in full. */
+/** The details of a case. */
 function ofCase(one) {
   return [
     facts([
@@ -132,7 +132,7 @@ function ofCase(one) {
   ];
 }
 
-/** A violation in full. */
+/** The details of a violation. */
 function ofViolation(one) {
   return [
     facts([["Property", one.title], ["Rule", one.rule], ["Expected", one.expected], ["Found", one.actual], ["Confirmed", one.confirmed ? "whenever it is repeated" : "no, it was seen once"]]),
@@ -150,7 +150,7 @@ function frames(title, rows) {
   return element("div", {}, element("h2", {}, title), table(["Time [s]", "Direction", "CAN-ID", "Data", "Meaning"], rows.map((one) => [seconds(one), one.direction, id(one), one.data, one.text]), { class: "evidence" }));
 }
 
-/** What it says in full is made when it is opened. */
+/** A row, whose details are made when it is opened. */
 function entry({ kind, title, text, parts, whole }) {
   const summary = element("summary", {}, element("span", { class: "verdict" }, kind.replaceAll("_", " ")), element("strong", {}, title), element("span", { class: "why" }, text ?? ""));
   const details = element("details", { class: `entry ${/^[a-z_]+$/.test(kind) ? kind : ""}` }, summary);

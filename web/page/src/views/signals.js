@@ -5,13 +5,13 @@ const UNKNOWN =
   "No PDO whose mapping is known. It is known from the SDO traffic of a capture that shows how it is read or written, or from a description: drop the EDS of the device too.";
 const HINT = "Drag to zoom, double-click to see all. A click sets a cursor, with Shift the other one; in the focused plot the arrow keys move, + and − zoom, 0 shows all, A and B set the cursors in the middle.";
 
-/** The values of PDOs over time. */
+/** The view of the values of PDOs over time. */
 export function signalsView(app, root) {
   let shown = null;
   let known = null;
   let plot = null;
   let chosen = [];
-  /** The cursors' times in seconds; the first is that of all views. */
+  /** The times of the cursors in seconds; the first one is common to all views. */
   let marks = [null, null];
   const filter = element("input", { type: "search", id: "signal-filter", placeholder: "Filter by name", "aria-label": "Filter of the signals" });
   const choice = element("fieldset", { class: "signals" });
@@ -77,7 +77,7 @@ export function signalsView(app, root) {
     read();
   }
 
-  /** Sets a cursor; the first one is told to the other views, unless it comes from there. */
+  /** Sets a cursor; the first one is passed to the other views, unless it comes from them. */
   function mark(n, seconds, tell = true) {
     marks[n] = Number.isFinite(seconds) ? seconds : null;
     if (tell && n === 0 && marks[0] !== null) app.point(marks[0], view);
@@ -89,7 +89,7 @@ export function signalsView(app, root) {
 
   const rounded = (value) => Math.round(value * 1e6) / 1e6;
 
-  /** The value of a signal at a time: the last that came. */
+  /** The last value of a signal before a time. */
   async function valueAt(column, seconds) {
     if (seconds === null) return null;
     const around = await points(column, seconds, seconds, 2);
@@ -98,7 +98,7 @@ export function signalsView(app, root) {
     return value;
   }
 
-  /** What the signals are at the cursors, and how they differ. */
+  /** Shows the values of the signals at the cursors, and their differences. */
   async function read() {
     const [columns, at] = [chosen, [...marks]];
     const values = await Promise.all(columns.map((column) => Promise.all(at.map((seconds) => valueAt(column, seconds)))));
@@ -111,7 +111,7 @@ export function signalsView(app, root) {
     readings.replaceChildren(element("thead", {}, head), element("tbody", {}, row("time [s]", at), ...rows));
   }
 
-  /** As `canvass signals` prints it, all of it. */
+  /** Saves all values in the form of `canvass signals`. */
   async function csv() {
     const end = await app.run("export", "export", { wish: { what: "signals", format: "csv" } }, "Writing");
     if (end) save("signals.csv", end.blob);

@@ -9,14 +9,14 @@ const NAMES = {
   service: "Service", id: "CAN-ID", data: "Data", text: "Meaning",
 };
 const COLUMNS = Object.keys(NAMES);
-/** Columns that are not shown at first; on a phone there is room for few. */
+/** Columns that are hidden at first; a phone has room for few. */
 const HIDDEN = ["delta", "absolute"];
 const HIDDEN_ON_PHONE = [...HIDDEN, "place", "channel", "data"];
 
-/** All frames of the captures. */
+/** The view of all frames of the captures. */
 export function traceView(app, root) {
   let shown = null;
-  /** A time to go to once the list is seen. */
+  /** A time to which the list scrolls once it is visible. */
   let waiting = null;
   const status = element("span", { class: "shown", role: "status" });
   const mistake = element("pre", { id: "filter-mistake", class: "mistake", hidden: true });
@@ -54,7 +54,7 @@ export function traceView(app, root) {
     hide();
   }
 
-  /** Which columns are shown. */
+  /** The choice of visible columns. */
   function columns() {
     const boxes = COLUMNS.map((column) => {
       const box = element("input", { type: "checkbox", checked: !hidden.has(column) });
@@ -73,7 +73,7 @@ export function traceView(app, root) {
 
   const hide = () => COLUMNS.forEach((column) => grid.classList.toggle(`no-${column}`, hidden.has(column)));
 
-  /** As pagers have them. */
+  /** Keyboard shortcuts, as in pagers. */
   function shortcut(event) {
     if (event.target.matches("input, select") || event.ctrlKey || event.metaKey || event.altKey) return;
     const to = { "/": search, f: filter, g: jump }[event.key];
@@ -98,7 +98,7 @@ export function traceView(app, root) {
     row.classList.toggle("bad", known?.bad ?? false);
   }
 
-  /** A row was chosen; `quiet`: because another view has pointed at its time. */
+  /** Selects a row; `quiet`: another view has moved the cursor to its time. */
   async function choose(row, quiet) {
     app.state.set({ row: row.row || "" });
     time.set(Number(row.time));
@@ -107,7 +107,7 @@ export function traceView(app, root) {
     showDetails(details, known, row, { goTo, jumpTo });
   }
 
-  /** Goes to a frame, by its place among all. */
+  /** Goes to a frame, by its index among all frames. */
   async function goTo(row, quiet = false) {
     list.go(await app.engine.call("rank", { row }), quiet);
   }
@@ -126,7 +126,7 @@ export function traceView(app, root) {
     else app.say(`"${search.value}" is in no frame ${backwards ? "before" : "after"} this one`);
   }
 
-  /** Applies the filter; one that is none leaves the rows as they are. */
+  /** Applies the filter; a wrong filter leaves the rows unchanged. */
   async function select() {
     const text = filter.value;
     const checked = await app.engine.call("checkFilter", { text });
@@ -159,7 +159,7 @@ export function traceView(app, root) {
     status.textContent = app.summary ? "" : "Open a capture first.";
   }
 
-  /** Another view has pointed at a time. */
+  /** Follows the cursor of another view. */
   function point(seconds) {
     time.set(seconds);
     waiting = seconds;

@@ -1,7 +1,7 @@
 import { button, byId, element, frame, save } from "../dom.js";
 import { suggest } from "../suggest.js";
 
-/** Simulated devices, to be tested and fuzzed in the page, without hardware and in no time. */
+/** The view of simulated devices, which the page tests and fuzzes without hardware in virtual time. */
 export function trialView(app, root) {
   let choices = null;
   let engine = null;
@@ -41,7 +41,7 @@ export function trialView(app, root) {
     page.replaceChildren(element("p", { class: "welcome" }, "A simulated device, in this page: switch faults of its firmware on, run the cases or the fuzzer, and see what they find."));
   }
 
-  /** Families of cases, for the last of those that are parted by commas. */
+  /** Suggests families of cases for the last word of a comma-separated list. */
   function families(text) {
     const from = text.lastIndexOf(",") + 1;
     const begun = text.slice(from).trim();
@@ -56,7 +56,7 @@ export function trialView(app, root) {
     list();
   }
 
-  /** The address keeps what is chosen, and the command line that does the same is shown. */
+  /** Keeps the choices in the address, and shows the equivalent command line. */
   function told() {
     const { seconds, seed } = wished();
     app.state.set({ model: model.value, faults: [...on].join(","), select: select.value, seconds: seconds === 5 ? "" : seconds, seed: seed || "", allow: allow.checked ? "all" : "" });
@@ -65,14 +65,14 @@ export function trialView(app, root) {
 
   const wished = () => ({ bus: bus(), select: select.value, allow: allow.checked, seconds: Number(seconds.value) || 5, seed: Math.max(0, Math.trunc(Number(seed.value) || 0)) });
 
-  /** What the program is asked for the same. */
+  /** The equivalent command line of the program. */
   function line(kind, { bus, select, allow, seconds, seed }) {
     const chosen = kind === "test" ? select && ` --select ${select}` : ` --for ${seconds}s`;
     const chance = kind === "fuzz" || seed > 0 ? ` --seed ${seed}` : "";
     return `canvass ${kind} ${bus}${chosen}${chance}${allow ? " --allow all" : ""}`;
   }
 
-  /** Those that show on this device. */
+  /** The faults that show on the chosen model. */
   const faults = () => choices.faults.filter((one) => one.model === model.value || one.model === "reference-301");
 
   const bus = () => ["sim:" + model.value, ...on].join("+");
@@ -91,7 +91,7 @@ export function trialView(app, root) {
     switches.replaceChildren(element("legend", { class: "unseen" }, "Faults of the firmware"), ...rows);
   }
 
-  /** In a worker of its own, as it runs to its end at once: cancelled, it is ended. */
+  /** Runs a trial in a worker of its own, as it does not answer until its end: to cancel it, the worker is ended. */
   async function go(kind) {
     engine ??= await app.engine.sibling((why) => app.say(why, true));
     const wish = wished();
