@@ -48,7 +48,7 @@ pub(super) fn boots(bench: &mut Bench<'_>, expected: u8) -> Result<Option<u8>, S
     Ok(if there.is_some() { Some(expected) } else { elsewhere })
 }
 
-/// The breach of a device that did not start with the expected node-ID.
+/// The breach if the device did not start with the expected node-ID.
 pub(super) fn started_elsewhere(duty: impl Into<String>, expected: u8, booted: Option<u8>) -> Breach {
     let found = booted.map_or(Observation::Silence, |node| Observation::Number(node.into()));
     let told =
