@@ -182,8 +182,8 @@ pub(super) fn reported_loss(bench: &mut Bench<'_>) -> Result<(Monitored, Vec<Rec
     Err(Stop::Inconclusive(Reason::new("a master or node that falls silent is reported", "an EMCY", found)))
 }
 
-/// Whether the loss of a master or of a watched node is reported by EMCY 8130h, or a more general code: recorded only, as a
-/// device need know no error codes but 0000h and 1000h.
+/// The case only records whether the device reports the loss of its master or of a monitored node by EMCY 8130h or a
+/// more general code: a device has to support no error codes except 0000h and 1000h.
 #[case(id = "301/emcy/monitoring-lost", clause = "CiA 301 7.2.7.1", confidence = Cited, level = Open,
        needs = [Monitoring], catches = [LifeGuardingUnreported, HeartbeatConsumerSilent], cct = "7.106")]
 fn monitoring_lost(bench: &mut Bench<'_>) -> Judged {
@@ -202,7 +202,7 @@ fn monitoring_lost(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// While an error is reported, the generic bit of the error register is set, however often it is read.
+/// The generic bit of the error register is set while an error is reported, however often the register is read.
 #[case(id = "301/emcy/generic-bit", clause = "CiA 301 7.5.2.2", confidence = Cited, level = Must,
        needs = [Monitoring], catches = [ErrorRegisterGenericMissing])]
 fn generic_bit(bench: &mut Bench<'_>) -> Judged {
@@ -215,7 +215,7 @@ fn generic_bit(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// Reading the error register does not clear it: of an error that is still there it tells at the second and third time, too.
+/// Reading the error register does not clear it: the second and third reading still show an error that persists.
 #[case(id = "301/emcy/register-read", clause = "CiA 301 7.5.2.2", confidence = Cited, level = Must,
        needs = [Monitoring], catches = [ErrorRegisterReadClears])]
 fn register_read(bench: &mut Bench<'_>) -> Judged {
@@ -234,7 +234,8 @@ fn tells_of_error(bench: &mut Bench<'_>, duty: &str) -> Judged {
     }))
 }
 
-/// When the one who fell silent is back, EMCY 0000h says so, and what is left in the error register.
+/// When the lost master or node returns, the device sends EMCY 0000h, whose third byte is the error register with the
+/// errors that remain.
 #[case(id = "301/emcy/error-reset", clause = "CiA 301 7.2.7.1", confidence = Cited, level = Must,
        needs = [Monitoring], catches = [EmcyResetMissing, EmcyResetRegisterWrong])]
 fn error_reset(bench: &mut Bench<'_>) -> Judged {
@@ -268,7 +269,8 @@ fn error_reset(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// In stopped no EMCY is sent: what is triggered there is pending. The most recent one may come afterwards.
+/// A device in the NMT state stopped sends no EMCY: an EMCY that is triggered there stays pending. The device may send
+/// the most recent one after it has left stopped.
 #[case(id = "301/state/stopped/emcy", clause = "CiA 301 7.3.2.2.4", confidence = Cited, level = Must,
        needs = [Monitoring], catches = [EmcyWhenStopped])]
 fn stopped(bench: &mut Bench<'_>) -> Judged {

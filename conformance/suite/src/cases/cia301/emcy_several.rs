@@ -73,8 +73,8 @@ fn beats(bench: &mut Bench<'_>, nodes: &[u8]) -> Result<Vec<Record>, Stop> {
     Ok(heard)
 }
 
-/// With one of two errors gone the device still is in error: 1001h keeps its generic bit, and an EMCY 0000h that reports the
-/// end of the one has that bit, too. With both gone EMCY 0000h comes.
+/// A device with two errors remains in error when the first of them is gone: 1001h keeps its generic bit, and so does
+/// an EMCY 0000h that reports the end of the first error. When both errors are gone, the device sends EMCY 0000h.
 #[case(id = "301/emcy/one-of-two", clause = "CiA 301 7.2.7.1", confidence = Cited, level = Must,
        needs = [HeartbeatConsumer], catches = [ErrorsClearedTogether, EmcyResetMissing, HeartbeatConsumerFirstOnly,
        HeartbeatConsumerNotRearmed])]
@@ -117,7 +117,7 @@ fn has_generic_bit(record: &Record) -> bool {
     record.data().get(2).is_some_and(|bits| bits & ErrorRegister::GENERIC.0 != 0)
 }
 
-/// The error history lists the errors that EMCYs have signalled, all of them, as far as it has entries: the newest at
+/// The error history lists all errors that the device has signalled by EMCY, up to its number of entries: the newest at
 /// 1003h:01, the oldest at the highest sub-index.
 #[case(id = "301/error-history/all", clause = "CiA 301 7.5.2.4", confidence = Cited, level = Must,
        needs = [ErrorHistory, Monitoring, Description], catches = [ErrorHistoryMovesTwo, ErrorHistoryReversed, ErrorHistoryNotKept])]
@@ -199,8 +199,8 @@ fn too_short(bench: &mut Bench<'_>) -> Result<Option<(u16, Vec<u8>)>, Stop> {
     Ok(can_id.map(|can_id| (can_id, vec![0; bits.div_ceil(8).min(8)])))
 }
 
-/// With another CAN-ID in 1014h EMCY comes on that one, in a data frame of eight bytes, and no longer on the old one. Reset
-/// communication brings the old one back.
+/// A device with another CAN-ID in 1014h sends EMCY with that CAN-ID, in a data frame of eight bytes, and no longer
+/// with the old CAN-ID. Reset communication restores the old CAN-ID.
 #[case(id = "301/emcy/moved", clause = "CiA 301 7.5.2.17", confidence = Cited, level = Must,
        needs = [EmcyId, Monitoring],
        catches = [EmcyKeepsCanId, EmcyMovedIsRemote, NmtResetCommunicationKeepsParameters])]
@@ -246,8 +246,8 @@ fn lost_on(bench: &mut Bench<'_>, can_ids: [u16; 2]) -> Result<[Vec<Record>; 2],
     Ok(can_ids.map(|can_id| since(bench, from, can_id)))
 }
 
-/// An error that was reported, and that nothing shows any more after reset communication, is not reported after it: what
-/// had to wait for the inhibit time is of the time before the reset. With nobody monitored no EMCY reports an error.
+/// Reset communication discards an EMCY that waits for the inhibit time: after the reset the device does not report an
+/// error that no longer exists. Because it then monitors neither a master nor a node, no EMCY reports their loss.
 #[case(id = "301/emcy/after-reset", clause = "CiA 301 7.2.7.1", confidence = Cited, level = Should,
        needs = [EmcyInhibit, Monitoring], catches = [EmcySurvivesReset])]
 fn after_reset(bench: &mut Bench<'_>) -> Judged {
@@ -285,7 +285,7 @@ fn error_codes_after_reset(bench: &mut Bench<'_>) -> Result<Vec<EmcyCode>, Stop>
     Ok(heard.iter().filter(|record| is_error(record)).filter_map(code_of).collect())
 }
 
-/// When 1001h shows no error, the EMCY 0000h before it has not said that one is left.
+/// If 1001h shows no error, the last EMCY 0000h that the device sent reports no remaining error.
 #[case(id = "301/emcy/last-word", clause = "CiA 301 7.2.7.1", confidence = Cited, level = Must,
        needs = [Monitoring], catches = [EmcyResetRegisterWrong])]
 fn last_word(bench: &mut Bench<'_>) -> Judged {
@@ -316,7 +316,7 @@ fn last_word(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// EMCY 0000h reports the end of an error: without an error that was reported before none comes, whatever is read.
+/// EMCY 0000h reports the end of an error: a device that has reported no error sends none, whatever object is read.
 #[case(id = "301/emcy/no-error-no-reset", clause = "CiA 301 7.2.7.1", confidence = Cited, level = Must,
        catches = [EmcyResetUnasked])]
 fn no_error_no_reset(bench: &mut Bench<'_>) -> Judged {
@@ -343,7 +343,8 @@ fn no_error_no_reset(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// Whether 1001h and 1003h show no error of a device that was only started: recorded, as only the device can know.
+/// The case only records whether 1001h and 1003h show no error after a plain start, because only the device can know
+/// its errors.
 #[case(id = "301/emcy/error-free", clause = "CiA 301 7.2.7.1", confidence = Cited, level = Open,
        catches = [ErrorRegisterNeverClear])]
 fn error_free(bench: &mut Bench<'_>) -> Judged {
@@ -354,7 +355,8 @@ fn error_free(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// Emptying the error history does not end an error: 1001h still tells of one that is there, and no EMCY 0000h comes.
+/// Clearing the error history does not end an error: 1001h still shows an error that persists, and the device sends no
+/// EMCY 0000h.
 #[case(id = "301/error-history/clear-keeps-error", clause = "CiA 301 7.5.2.4", confidence = Cited, level = Should,
        needs = [ErrorHistory, Monitoring], catches = [HistoryClearsRegister])]
 fn clear_keeps_error(bench: &mut Bench<'_>) -> Judged {

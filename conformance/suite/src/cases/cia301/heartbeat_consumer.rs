@@ -32,7 +32,7 @@ pub const fn entry(node: u8, milliseconds: u16) -> [u8; 4] {
     ((node as u32) << 16 | milliseconds as u32).to_le_bytes()
 }
 
-/// A second entry for a node that another entry watches already is refused with abort 0604 0043h.
+/// A second entry for a node that another entry already monitors is refused with abort 0604 0043h.
 #[case(id = "301/heartbeat-consumer/duplicate", clause = "CiA 301 7.5.2.19", confidence = Cited, level = Must,
        needs = [HeartbeatConsumer], catches = [HeartbeatConsumerDoubleAccepted], cct = "7.104")]
 fn duplicate(bench: &mut Bench<'_>) -> Judged {
@@ -174,7 +174,7 @@ fn unnoticed_in_time(duty: &'static str, signs: &Signs) -> Check {
     })
 }
 
-/// A watched node is missed only after its first heartbeat, not before.
+/// The device begins to monitor a node with its first heartbeat: it reports no loss before that heartbeat.
 #[case(id = "301/heartbeat-consumer/first-heartbeat", clause = "CiA 301 7.5.2.19", confidence = Cited,
        level = Must, needs = [HeartbeatConsumer], catches = [HeartbeatConsumerStartsAtOnce])]
 fn first_heartbeat(bench: &mut Bench<'_>) -> Judged {
@@ -187,7 +187,7 @@ fn first_heartbeat(bench: &mut Bench<'_>) -> Judged {
     bench.check(unnoticed(WATCHED, "a node that was never heard is not missed", &signs))
 }
 
-/// A watched node whose heartbeats come in time is not missed.
+/// The device reports no loss of a monitored node whose heartbeats arrive in time.
 #[case(id = "301/heartbeat-consumer/kept-alive", clause = "CiA 301 7.2.8.3.2.2", confidence = Cited,
        level = Must, needs = [HeartbeatConsumer], catches = [HeartbeatConsumerNotRestarted], cct = "7.105")]
 fn kept_alive(bench: &mut Bench<'_>) -> Judged {
@@ -202,8 +202,9 @@ fn kept_alive(bench: &mut Bench<'_>) -> Judged {
     bench.check(unnoticed_in_time("a node that sends a heartbeat every 100 ms is not missed after 200 ms", &all))
 }
 
-/// A watched node that falls silent is missed after the consumer heartbeat time: the device leaves operational, unless
-/// 1029h:01 says otherwise. Where an EMCY reports it, there is one, and the error register shows an error.
+/// The device detects the loss of a monitored node after the consumer heartbeat time, and leaves operational unless
+/// 1029h:01 demands otherwise. If it reports the loss by EMCY, it sends one EMCY, and the error register shows an
+/// error.
 #[case(id = "301/heartbeat-consumer/lost", clause = "CiA 301 7.5.2.32", confidence = Cited, level = Must,
        needs = [HeartbeatConsumer], catches = [HeartbeatConsumerLate, EmcyRepeated, ErrorRegisterMissing, ErrorRegisterGenericMissing, ErrorBehaviourIgnored, ConsumerTimeRefused],
        cct = "7.106")]
@@ -229,7 +230,7 @@ fn lost(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// An entry of 1016h that was stored watches its node after the next start, as one does that was just written.
+/// A stored entry of 1016h monitors its node after the next start, in the same way as an entry that was just written.
 #[case(id = "301/heartbeat-consumer/stored", clause = "CiA 301 7.5.2.13", confidence = Cited, level = Must,
        needs = [HeartbeatConsumer, Store], touches = [Nvm], catches = [HeartbeatConsumerForgetsStored])]
 fn stored(bench: &mut Bench<'_>) -> Judged {
@@ -292,7 +293,8 @@ fn reported_once(watch: &Watch, signs: &Signs) -> Check {
     })
 }
 
-/// A node that is back is watched again. Where an EMCY reported the loss, EMCY 0000h reports the return.
+/// The device monitors a node again when it has returned. If the device reported the loss by EMCY, it reports the
+/// return by EMCY 0000h.
 #[case(id = "301/heartbeat-consumer/back", clause = "CiA 301 7.2.8.2.2.3", confidence = Cited, level = Must,
        needs = [HeartbeatConsumer], catches = [HeartbeatConsumerNotRearmed, EmcyResetMissing])]
 fn back(bench: &mut Bench<'_>) -> Judged {
@@ -321,7 +323,7 @@ fn back(bench: &mut Bench<'_>) -> Judged {
     Ok(())
 }
 
-/// The return of a node that was missed is no error: a device that its master has made operational again stays so.
+/// The return of a lost node is no error: a device that its master has started again stays operational.
 #[case(id = "301/heartbeat-consumer/return", clause = "CiA 301 7.5.2.32", confidence = Cited, level = Must,
        needs = [HeartbeatConsumer], catches = [ConsumerReturnLeaves])]
 fn return_is_no_error(bench: &mut Bench<'_>) -> Judged {
@@ -356,7 +358,7 @@ fn return_is_no_error(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// Every entry of 1016h watches its node, the lowest and the highest node-ID among them.
+/// Every entry of 1016h monitors its node, including the lowest and the highest node-ID.
 #[case(id = "301/heartbeat-consumer/all-entries", clause = "CiA 301 7.5.2.19", confidence = Cited, level = Must,
        needs = [HeartbeatConsumer], catches = [HeartbeatConsumerFirstOnly, HeartbeatConsumerDeafToNodeOne])]
 fn all_entries(bench: &mut Bench<'_>) -> Judged {
@@ -382,8 +384,8 @@ fn all_entries(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// Several nodes are watched at once, and an entry that watches a node takes another time for it: each write is confirmed,
-/// and reads as it was written.
+/// The entries of 1016h monitor several nodes at the same time, and the time of an entry in use can be changed: the
+/// device confirms each write, and the entry reads back as written.
 #[case(id = "301/heartbeat-consumer/several", clause = "CiA 301 7.5.2.19", confidence = Cited, level = Must,
        needs = [HeartbeatConsumer], catches = [ConsumerEntriesExclude])]
 fn several(bench: &mut Bench<'_>) -> Judged {
@@ -405,7 +407,7 @@ fn several(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// An entry whose time is 0 watches nobody.
+/// An entry whose time is 0 monitors no node.
 #[case(id = "301/heartbeat-consumer/off", clause = "CiA 301 7.5.2.19", confidence = Cited, level = Must,
        needs = [HeartbeatConsumer], catches = [HeartbeatConsumerNotStopped])]
 fn off(bench: &mut Bench<'_>) -> Judged {
@@ -419,7 +421,7 @@ fn off(bench: &mut Bench<'_>) -> Judged {
     bench.check(unnoticed_in_time("a node that is no longer watched is not missed", &signs))
 }
 
-/// The number of entries, 1016h:00, can't be written: abort 0601 0002h.
+/// Writing 1016h:00, the number of entries, is refused with abort 0601 0002h.
 #[case(id = "301/heartbeat-consumer/count", clause = "CiA 301 7.5.2.19", confidence = Cited, level = Must,
        needs = [HeartbeatConsumer], catches = [SdoReadOnlyWritable, SdoReadOnlyWrongCode], cct = "4.3")]
 fn count(bench: &mut Bench<'_>) -> Judged {
@@ -434,8 +436,8 @@ fn count(bench: &mut Bench<'_>) -> Judged {
     bench.expect_unchanged(multiplexer, &before)
 }
 
-/// An entry for a node-ID that does not exist, 0 or 128 to 255, is not used: it watches nobody. Where it is refused, that is
-/// with abort 0609 0030h.
+/// An entry for a node-ID that does not exist, 0 or 128 to 255, monitors no node. A device that refuses the entry does
+/// so with abort 0609 0030h.
 #[case(id = "301/heartbeat-consumer/no-node", clause = "CiA 301 7.5.2.19", confidence = Cited, level = Must,
        needs = [HeartbeatConsumer], catches = [HeartbeatConsumerWatchesEveryone, HeartbeatConsumerHangs])]
 fn no_node(bench: &mut Bench<'_>) -> Judged {
@@ -459,8 +461,9 @@ fn no_node(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// Heartbeats of a watched node that have another length, or bit 7 set, and its boot-up message, do not disturb the
-/// device. Whether they count as a sign of life is noted: CiA 301 does not say.
+/// Heartbeats of a monitored node that have a wrong length or bit 7 set do not disturb the device, and neither does the
+/// boot-up message of that node. The case notes whether such messages count as a sign of life, because CiA 301 does not
+/// say.
 #[case(id = "301/heartbeat-consumer/malformed", clause = "CiA 301 7.2.8.3.2.2", confidence = Cited, level = Should,
        needs = [HeartbeatConsumer], catches = [HeartbeatConsumerCrashes])]
 fn malformed(bench: &mut Bench<'_>) -> Judged {

@@ -14,7 +14,8 @@ use canvass_bus::observation::Observation;
 
 const WATCHED: Multiplexer = Multiplexer::new(object::CONSUMER_HEARTBEAT_TIME, 1);
 
-/// A node is watched while other objects are written too: it is missed after the consumer heartbeat time.
+/// Writes to other objects do not affect the monitoring of a node: the device detects the loss of the node after the
+/// consumer heartbeat time.
 #[case(id = "301/heartbeat-consumer/beside-writes", clause = "CiA 301 7.2.8.3.2.2", confidence = Cited, level = Must,
        needs = [HeartbeatConsumer, ScratchObject], catches = [HeartbeatConsumerRestartedByWrites])]
 fn beside_writes(bench: &mut Bench<'_>) -> Judged {
@@ -36,8 +37,8 @@ fn beside_writes(bench: &mut Bench<'_>) -> Judged {
     noticed(WATCHED, &watch, &signs)
 }
 
-/// Heartbeats count in stopped, too: a watched node that the device first hears there is missed once the device is
-/// operational and the node silent.
+/// Heartbeats also count while the device is stopped: if the first heartbeat of a monitored node arrives then, the
+/// device detects the loss of the node once the device is operational and the node silent.
 #[case(id = "301/heartbeat-consumer/stopped", clause = "CiA 301 7.3.2.2.5", confidence = Cited, level = Should,
        needs = [HeartbeatConsumer], catches = [HeartbeatConsumerDeafWhenStopped])]
 fn heard_in_stopped(bench: &mut Bench<'_>) -> Judged {
@@ -80,7 +81,7 @@ fn heard_in_stopped(bench: &mut Bench<'_>) -> Judged {
     bench.check(Err(Box::new(unheard.told(found))))
 }
 
-/// An entry that was not stored is gone after reset communication, and with it what it watched.
+/// Reset communication removes an entry of 1016h that was not stored: the device no longer monitors its node.
 #[case(id = "301/heartbeat-consumer/reset", clause = "CiA 301 7.3.2.2.1", confidence = Cited, level = Must,
        needs = [HeartbeatConsumer], catches = [HeartbeatConsumerOutlivesReset])]
 fn reset(bench: &mut Bench<'_>) -> Judged {

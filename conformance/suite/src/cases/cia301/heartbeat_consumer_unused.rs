@@ -11,8 +11,8 @@ use canvass_traces::Duration;
 
 const WATCHED: Multiplexer = Multiplexer::new(object::CONSUMER_HEARTBEAT_TIME, 1);
 
-/// An entry with a node-ID and the time 0 is not used from the beginning: heartbeats of that node start nothing, and it is
-/// not missed.
+/// An entry with a node-ID and the time 0 is not used: heartbeats of that node do not start monitoring, and the device
+/// reports no loss of it.
 #[case(id = "301/heartbeat-consumer/time-zero", clause = "CiA 301 7.5.2.19", confidence = Cited, level = Must,
        needs = [HeartbeatConsumer], catches = [HeartbeatConsumerTimeZero])]
 fn time_zero(bench: &mut Bench<'_>) -> Judged {

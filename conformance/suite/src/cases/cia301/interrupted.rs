@@ -37,8 +37,8 @@ fn stop_in_upload(bench: &mut Bench<'_>) -> Result<(Multiplexer, Vec<u8>), Stop>
     Ok((multiplexer, right))
 }
 
-/// In the middle of a segmented upload stop ends the service: the next segment is not answered, not even once the device
-/// has left stopped, and a new upload then gives the whole value.
+/// Stop remote node ends the SDO service during a segmented upload: the device does not answer the next segment
+/// request, not even after it has left stopped, and a new upload returns the whole value.
 #[case(id = "301/state/stopped/running-upload", clause = "CiA 301 7.3.2.2.5", confidence = Cited, level = Must,
        needs = [SegmentedUpload], catches = [SdoAnsweredWhenStopped])]
 fn stopped(bench: &mut Bench<'_>) -> Judged {
@@ -46,8 +46,8 @@ fn stopped(bench: &mut Bench<'_>) -> Judged {
     bench.expect_value(multiplexer, &right, "a new upload gives the whole value")
 }
 
-/// A segmented upload that stop interrupted is over: a request for its next segment is refused with abort 0504 0001h, or
-/// not answered. The standard does not name stop among what ends a transfer.
+/// Stop remote node ends a segmented upload: a request for its next segment is refused with abort 0504 0001h, or not
+/// answered. The standard does not list stop remote node among the events that end a transfer.
 #[case(id = "301/state/stopped/upload-ends", clause = "CiA 301 7.2.4.3.5", confidence = Cited, level = Open,
        needs = [SegmentedUpload], catches = [SdoTransferSurvivesStop])]
 fn upload_ends(bench: &mut Bench<'_>) -> Judged {
@@ -59,8 +59,8 @@ fn upload_ends(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// Reset communication in the middle of a block download ends it: the device boots, the object has its value of
-/// power-on, and a new transfer works.
+/// Reset communication ends a block download: the device starts, the object has its power-on value, and a new transfer
+/// works.
 #[case(id = "301/boot-up/running-download", clause = "CiA 301 7.3.2.2.1", confidence = Cited, level = Must,
        needs = [BlockDownload], catches = [SdoTransferSurvivesReset, SdoBlockDownloadRefused])]
 fn reset(bench: &mut Bench<'_>) -> Judged {

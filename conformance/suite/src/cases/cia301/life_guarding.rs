@@ -100,8 +100,9 @@ fn watches_at_all(life_time: LifeTime, found: &Observation) -> Judged {
     Err(Stop::NotApplicable(reason))
 }
 
-/// A master that has guarded once and then falls silent is missed after guard time times life time factor: an operational
-/// device leaves operational then, unless 1029h:01 says otherwise. Where an EMCY says so, it comes at that time.
+/// When a master that has guarded the device falls silent, the device detects the loss after guard time multiplied by
+/// life time factor. An operational device then leaves operational, unless 1029h:01 demands otherwise; an EMCY that
+/// reports the loss comes at that time.
 #[case(id = "301/life-guarding/time", clause = "CiA 301 7.2.8.3.2.1", confidence = Cited, level = Must,
        needs = [Guarding], catches = [LifeTimeFactorOffByOne, LifeTimeFactorIgnored], cct = "7.6")]
 fn time(bench: &mut Bench<'_>) -> Judged {
@@ -132,7 +133,7 @@ fn time(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// A device that is operational when its master is lost becomes pre-operational, unless 1029h:01 says otherwise.
+/// An operational device that loses its master enters pre-operational, unless 1029h:01 demands otherwise.
 #[case(id = "301/life-guarding/state", clause = "CiA 301 7.5.2.32", confidence = Cited, level = Must,
        needs = [Guarding], catches = [ErrorBehaviourIgnored], cct = "9.3")]
 fn state(bench: &mut Bench<'_>) -> Judged {
@@ -152,7 +153,8 @@ fn state(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// When the master guards again, EMCY 0000h says that the error is gone, and the error register is as before.
+/// When the master guards again, the device reports the end of the error by EMCY 0000h, and the error register has its
+/// previous value.
 #[case(id = "301/life-guarding/recovery", clause = "CiA 301 7.2.7.1", confidence = Cited, level = Must,
        needs = [Guarding], catches = [ErrorRegisterStuck, EmcyResetMissing])]
 fn recovery(bench: &mut Bench<'_>) -> Judged {
@@ -191,7 +193,7 @@ fn recovery(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// With a guard time or life time factor of 0 the master is not watched.
+/// With a guard time or life time factor of 0 the device does not monitor its master.
 #[case(id = "301/life-guarding/off", clause = "CiA 301 7.5.2.11", confidence = Cited, level = Must,
        needs = [Guarding], catches = [LifeGuardingNotStopped], cct = "7.1")]
 fn off(bench: &mut Bench<'_>) -> Judged {
@@ -210,7 +212,7 @@ fn off(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// The master is watched from its first remote frame on: before that it can't be lost.
+/// The device monitors its master from the first remote frame on: before that frame it reports no loss.
 #[case(id = "301/life-guarding/first-request", clause = "CiA 301 7.2.8.2.2", confidence = Cited, level = Must,
        needs = [Guarding], catches = [LifeGuardingStartsAtOnce])]
 fn first_request(bench: &mut Bench<'_>) -> Judged {

@@ -40,8 +40,8 @@ fn expect_none(bench: &mut Bench<'_>, duty: &'static str, heard: &[Record]) -> J
     }))
 }
 
-/// An RPDO that comes within its deadline (event timer) is not reported as missing; nor is one that stays away once the
-/// device has left operational, where no RPDO is received.
+/// The device does not report an RPDO that arrives within its deadline (event timer) as missing. It does not report an
+/// RPDO as missing after it has left operational either, because it receives no RPDO there.
 #[case(id = "301/rpdo/deadline-kept", clause = "CiA 301 7.5.2.35", confidence = Cited, level = Should,
        needs = [RpdoMapping], catches = [RpdoDeadlineOutlivesStop, RpdoDeadlineNotRestarted, RpdoInPreOperational])]
 fn deadline_kept(bench: &mut Bench<'_>) -> Judged {
@@ -61,8 +61,8 @@ fn deadline_kept(bench: &mut Bench<'_>) -> Judged {
     expect_none(bench, "after the start an RPDO is missed only once it has come again", &heard)
 }
 
-/// Whether a value that waited for SYNC when operational was left acts at a SYNC after the next start: recorded only, as
-/// CiA 301 does not say what becomes of it.
+/// The case only records whether an RPDO value that waited for SYNC when the device left operational takes effect at a
+/// SYNC after the next start, because CiA 301 does not define this.
 #[case(id = "301/rpdo/held-over-stop", clause = "CiA 301 7.5.2.35", confidence = Cited, level = Open,
        needs = [RpdoMapping, Sync], catches = [RpdoHeldOverStop])]
 fn held(bench: &mut Bench<'_>) -> Judged {

@@ -28,8 +28,8 @@ struct AfterReset {
     after_loss: Option<Option<State>>,
 }
 
-/// A stored heartbeat time and a stored entry of the heartbeat consumer that are there after a reset act, without being
-/// written again. The old values are stored again afterwards.
+/// A stored heartbeat time and a stored entry of the heartbeat consumer take effect after a reset, without being
+/// written again. The case stores the old values again afterwards.
 #[case(id = "301/store/acts", clause = "CiA 301 7.3.2.2.1", confidence = Cited, level = Must,
        needs = [Store, Heartbeat], touches = [Nvm], catches = [StoredConfigurationIdle, HeartbeatConsumerForgetsStored, HeartbeatLostOnStateChange,
                                                             ErrorBehaviourIgnored])]

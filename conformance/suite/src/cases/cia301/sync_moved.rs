@@ -12,8 +12,8 @@ use canvass_bus::observation::Observation;
 /// A CAN-ID outside the predefined connection set.
 const FREE: u32 = 0x6B8;
 
-/// With another CAN-ID in 1005h a synchronous TPDO follows SYNC with that one, and no longer SYNC with the old one. After reset
-/// communication it follows SYNC with the CAN-ID that 1005h names then.
+/// With another CAN-ID in 1005h a synchronous TPDO follows SYNC with the new CAN-ID, and no longer SYNC with the old
+/// one. After reset communication it follows SYNC with the CAN-ID that 1005h then holds.
 #[case(id = "301/sync/moved", clause = "CiA 301 7.5.2.5", confidence = Cited, level = Must,
        needs = [Tpdo, Sync, DynamicMapping], catches = [SyncKeepsCanId])]
 fn moved(bench: &mut Bench<'_>) -> Judged {

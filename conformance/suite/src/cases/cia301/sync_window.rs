@@ -39,8 +39,8 @@ pub(super) fn count(heard: &[Record], can_id: u16) -> usize {
     heard.iter().filter(|record| record.frame.cob_id() == Some(can_id)).count()
 }
 
-/// Whether a synchronous TPDO that does not get onto the bus within the synchronous window, 1007h, is still sent: recorded
-/// only. It may be discarded.
+/// The case only records whether the device still sends a synchronous TPDO that could not be sent within the
+/// synchronous window (1007h). The device may discard such a TPDO.
 #[case(id = "301/sync/window", clause = "CiA 301 7.5.2.7", confidence = Cited, level = Open,
        needs = [EventTimer, Sync, DynamicMapping], catches = [SyncWindowIgnored])]
 fn window(bench: &mut Bench<'_>) -> Judged {
@@ -104,7 +104,7 @@ fn came_after_the_window(bench: &Bench<'_>, sync: u16, can_id: u16) -> bool {
     after.is_some_and(|after| after > Duration::from_micros(WINDOW_US.into()))
 }
 
-/// Where SYNC has a counter and a TPDO no SYNC start value, the TPDO follows each SYNC, whatever its number is.
+/// A TPDO without SYNC start value follows each SYNC with a counter, whatever the counter value is.
 #[case(id = "301/sync/counter-obeyed", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Must,
        needs = [EventTimer, SyncCounter, DynamicMapping], catches = [SyncWithoutStartValueIgnored])]
 fn counter_obeyed(bench: &mut Bench<'_>) -> Judged {
@@ -127,7 +127,7 @@ fn counter_obeyed(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// A SYNC in pre-operational does not count: after the start the first synchronous TPDO follows the next SYNC.
+/// A SYNC in pre-operational has no effect: the first synchronous TPDO follows the first SYNC after the start.
 #[case(id = "301/sync/before-start", clause = "CiA 301 7.3.2.2.2", confidence = Cited, level = Must,
        needs = [EventTimer, Sync, DynamicMapping], catches = [SyncRememberedOverStart, TpdoInPreOperational])]
 fn before_start(bench: &mut Bench<'_>) -> Judged {

@@ -8,7 +8,7 @@ use canvass_analyzer::wire::nmt::Command;
 use canvass_bus::observation::{Observation, Subject};
 use canvass_traces::Duration;
 
-/// A TPDO that is synchronous as delivered is not sent without SYNC, also not when the device starts.
+/// A TPDO that is synchronous as delivered is not sent without SYNC, not even when the device starts.
 #[case(id = "301/tpdo/synchronous-as-delivered", clause = "CiA 301 7.2.2.2", confidence = Cited, level = Must,
        needs = [Tpdo, Sync], catches = [SynchronousTpdoAtStart])]
 fn synchronous_as_delivered(bench: &mut Bench<'_>) -> Judged {

@@ -21,8 +21,8 @@ fn scan_together(bench: &mut Bench<'_>, request: Request) -> Result<Option<Respo
     hear(bench, bench.timing().lss)
 }
 
-/// Where several slaves answer, each goes on taking part in Fastscan; the one that got its node-ID does not any more, so
-/// that the next scan finds the others.
+/// When several slaves answer, each of them continues to take part in Fastscan. A slave that has received its node-ID
+/// takes no further part, so that the next scan finds the others.
 #[case(id = "305/fastscan/several-slaves", clause = "CiA 305 6.7", confidence = Attested, level = Must,
        needs = [Lss, Alone, Fastscan], touches = [NodeId],
        catches = [FastscanYieldsToOthers, FastscanAnsweredWhenConfigured])]
@@ -47,7 +47,7 @@ fn several(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// A slave is found by halving the ranges of revision and serial number, without Fastscan.
+/// The master finds the revision number and the serial number of a slave by halving their ranges, without Fastscan.
 #[case(id = "305/identify/halving", clause = "CiA 305 6.6.2", confidence = Attested, level = Should,
        needs = [Lss, Alone], catches = [LssIdentifyUnanswered, LssIdentifyUnchecked, LssIdentifyRangeExclusive,
        WatchdogResetUnderLoad])]

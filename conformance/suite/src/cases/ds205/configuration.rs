@@ -19,9 +19,9 @@ pub(super) fn configure_own(bench: &mut Bench<'_>) -> Result<(), Stop> {
     exchange(bench, Request::ConfigureNodeId { node_id }).map(|_| ())
 }
 
-/// Node-IDs that don't exist, 0 and 128 to 255, are refused with an error code.
+/// The slave refuses node-IDs that do not exist, 0 and 128 to 255, with an error code.
 ///
-/// The table of the standard has no code for it: devices answer 255 with a specific error of their own.
+/// The table of the standard has no error code for this: devices answer 255 with a specific error of their own.
 #[case(id = "205/node-id/invalid", clause = "CiA DS-205", confidence = Unknown, level = Must,
        needs = [Alone, Lmt], touches = [NodeId], catches = [LmtNodeIdUnchecked])]
 fn invalid_node_id(bench: &mut Bench<'_>) -> Judged {
@@ -37,7 +37,8 @@ fn invalid_node_id(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// A configured node-ID acts only after it was stored and the device was off: until then the old one is in use.
+/// A configured node-ID takes effect only after it was stored and the device was switched off: until then the device
+/// keeps its old node-ID.
 #[case(id = "205/node-id/not-at-once", clause = "CiA DS-205", confidence = Unknown, level = Must,
        needs = [Alone, Lmt], touches = [NodeId], catches = [LmtNodeIdAtOnce])]
 fn not_at_once(bench: &mut Bench<'_>) -> Judged {
@@ -71,7 +72,7 @@ pub(super) fn configure_own_rate(bench: &mut Bench<'_>) -> Result<(), Stop> {
 }
 
 /// Every bit rate of the description can be set by its row of table 0, which has 50, 20 and 10 kbit/s in rows 5 to 7:
-/// the empty row 5 of LSS does not exist in LMT.
+/// LMT does not have the empty row 5 of LSS.
 #[case(id = "205/bit-timing/table", clause = "CiA DS-205", confidence = Unknown, level = Must,
        needs = [Alone, Lmt, Description], touches = [BitRate], catches = [LmtBitTimingUnshifted])]
 fn table(bench: &mut Bench<'_>) -> Judged {
@@ -89,7 +90,7 @@ fn table(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// Rows and tables that don't exist are refused with an error code.
+/// The slave refuses tables and rows that do not exist with an error code.
 #[case(id = "205/bit-timing/invalid", clause = "CiA DS-205", confidence = Unknown, level = Must,
        needs = [Alone, Lmt], touches = [BitRate], catches = [LmtBitTimingUnchecked])]
 fn invalid_bit_timing(bench: &mut Bench<'_>) -> Judged {
@@ -109,8 +110,8 @@ fn invalid_bit_timing(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// After activate bit timing the slave is silent for two delays, then it works on. The bit rate that the bus has
-/// already is activated.
+/// After activate bit timing the slave is silent for two delays and then works again. The case activates the current
+/// bit rate of the bus.
 #[case(id = "205/bit-timing/activate", clause = "CiA DS-205", confidence = Unknown, level = Must,
        needs = [Alone, Lmt], touches = [BitRate], catches = [LmtActivationNotSilent])]
 fn activate(bench: &mut Bench<'_>) -> Judged {
@@ -142,7 +143,7 @@ fn activate(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// Store configuration is answered, with error code 0 where the device can store.
+/// The slave answers store configuration, with error code 0 if the device can store.
 #[case(id = "205/store/answered", clause = "CiA DS-205", confidence = Unknown, level = Must,
        needs = [Alone, Lmt], touches = [Nvm, NodeId], catches = [LmtStoreSilent])]
 fn store(bench: &mut Bench<'_>) -> Judged {

@@ -7,8 +7,8 @@ use crate::verdict::{Check, Judged, Precondition, Stop, demand};
 use canvass_analyzer::wire::lmt::{Part, Request, Seven};
 use canvass_bus::observation::Observation;
 
-/// Switch mode global leads into configuration and back without an answer; only in configuration the slave answers
-/// inquiries and takes configurations.
+/// Switch mode global switches the slave to configuration and back without an answer. The slave answers inquiries and
+/// accepts configurations in configuration only.
 #[case(id = "205/switch-global/modes", clause = "CiA DS-205", confidence = Unknown, level = Must,
        needs = [Alone, Lmt], catches = [LmtAnsweredInOperation])]
 fn modes(bench: &mut Bench<'_>) -> Judged {
@@ -21,7 +21,7 @@ fn modes(bench: &mut Bench<'_>) -> Judged {
     expect_configuring(bench, false, "mode 0 leads back to operation")
 }
 
-/// Modes other than 0 and 1 are reserved and change nothing.
+/// Modes other than 0 and 1 are reserved and have no effect.
 #[case(id = "205/switch-global/reserved", clause = "CiA DS-205", confidence = Unknown, level = Should,
        needs = [Alone, Lmt], catches = [LmtReservedModeObeyed])]
 fn reserved(bench: &mut Bench<'_>) -> Judged {
@@ -50,8 +50,8 @@ fn expect_selected(selected: bool) -> Check {
     })
 }
 
-/// The slave whose manufacturer name, product name and serial number are given goes into configuration without an
-/// answer: the 44h of LSS does not exist in LMT.
+/// The slave with the given manufacturer name, product name and serial number enters configuration without an answer:
+/// LMT does not have the 44h of LSS.
 #[case(id = "205/switch-selective/silent", clause = "CiA DS-205", confidence = Unknown, level = Must,
        needs = [Alone, Lmt], catches = [LmtSwitchSelectiveAnswered])]
 fn silent(bench: &mut Bench<'_>) -> Judged {

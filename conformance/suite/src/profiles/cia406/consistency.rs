@@ -21,10 +21,10 @@ const HIGHEST: Multiplexer = Multiplexer::new(encoder::MODULE_IDENTIFICATION, 3)
 const TPDO_2: Subject = Subject::Pdo { transmit: true, number: 2 };
 const HIGH_PRECISION: Multiplexer = Multiplexer::new(encoder::HIGH_PRECISION_POSITION, 0);
 
-/// Where 650Ah gives the lowest and the highest position, the number of positions from the one to the other is 6501h
-/// times 6502h.
+/// If 650Ah holds the lowest and the highest position, the number of positions in that range is 6501h multiplied by
+/// 6502h.
 ///
-/// 650Ah is signed: a highest position of 7FFF FFFFh stands for every range that it has no room for.
+/// 650Ah is signed: a highest position of 7FFF FFFFh represents every larger range.
 #[case(id = "406/resolution/consistent", clause = "CiA 406", confidence = Unknown, level = Must, needs = super::needs[Encoder],
        catches = [RevolutionsZero, HighestPositionWrong])]
 fn resolution(bench: &mut Bench<'_>) -> Judged {
@@ -51,7 +51,7 @@ fn resolution(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// The high-precision position 6008h shows the same place as 6004h: in the same units, or in a power of two more.
+/// The high-precision position 6008h shows the same place as 6004h, in the same units or multiplied by a power of two.
 #[case(id = "406/position/high-precision", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = super::needs[Encoder, HighPrecision, VolatilePreset], touches = [Preset],
        catches = [HighPrecisionWithoutPreset])]
@@ -70,7 +70,7 @@ fn high_precision(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// The second TPDO, where it is synchronous as delivered and carries the position, follows SYNC with the position of now.
+/// If the second TPDO is synchronous as delivered and carries the position, it follows SYNC with the current position.
 #[case(id = "406/tpdo/second-synchronous", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = super::needs[Encoder, Sync], catches = [SecondTpdoMissing])]
 fn second_synchronous(bench: &mut Bench<'_>) -> Judged {
@@ -107,8 +107,8 @@ fn second_synchronous(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// After a preset the scaling is changed: the position stays inside the new range, and 6509h goes with it: the position
-/// without offset is that of the shaft. Whether the preset outlives the change is noted.
+/// When the scaling changes after a preset, the position stays inside the new range, and 6509h changes with it: the
+/// position without offset is that of the shaft. The case notes whether the preset survives the change.
 #[case(id = "406/preset/scaling-changed", clause = "CiA 406", confidence = Unknown, level = Should,
        needs = super::needs[Encoder, VolatilePreset], touches = [Preset], catches = [ScalingIgnored])]
 fn scaling_changed(bench: &mut Bench<'_>) -> Judged {
@@ -140,7 +140,8 @@ fn without_offset(bench: &mut Bench<'_>, position: u32, range: u32) -> Result<u3
     Ok((i64::from(position) - offset).rem_euclid(range.into()) as u32)
 }
 
-/// A preset of a shaft that turns takes effect without a jump beyond the motion, and the position goes on from there.
+/// A preset takes effect while the shaft turns, without a jump larger than the motion, and the position then continues
+/// to count.
 #[case(id = "406/preset/moving", clause = "CiA 406", confidence = Unknown, level = Should,
        needs = super::needs[Encoder, VolatilePreset, TurningShaft], touches = [Preset], catches = [PresetGlitch, PresetStopsCounting])]
 fn moving(bench: &mut Bench<'_>) -> Judged {

@@ -14,7 +14,7 @@ use canvass_bus::client::Outcome;
 /// Bits 4 to 11 have no meaning in any version of the profile.
 const RESERVED: u32 = 0x0FF0;
 
-/// Reserved bits of 6000h are refused, or at least not taken over.
+/// Reserved bits of 6000h are refused, or at least read back as 0.
 #[case(id = "406/operating-parameters/reserved-bits", clause = "CiA 406", confidence = Unknown, level = Should,
        needs = super::needs[Encoder], catches = [ReservedOperatingBitsAccepted])]
 fn reserved_bits(bench: &mut Bench<'_>) -> Judged {
@@ -43,8 +43,8 @@ const PARAMETERS: [u16; 7] = [
 /// Bit 2 of 6000h: the measuring range and the units per revolution take effect.
 const SCALING: u32 = 1 << 2;
 
-/// The parameters of the profile that the description calls writable take the values that they have. While scaling is off,
-/// what belongs to it may be locked.
+/// Profile parameters that the description calls writable accept their current values. While scaling is off, the device
+/// may lock the scaling parameters.
 #[case(id = "406/operating-parameters/own-value", clause = "CiA 301 7.4.5", confidence = Cited, level = Must,
        needs = super::needs[Encoder, Description], catches = [OperatingParametersRefused])]
 fn own_value(bench: &mut Bench<'_>) -> Judged {

@@ -74,7 +74,7 @@ fn needs_revolutions(bench: &mut Bench<'_>) -> Result<(), Stop> {
     Ok(())
 }
 
-/// Writing a preset makes the position that value, at rest.
+/// Writing a preset at rest sets the position to its value.
 #[case(id = "406/preset/position", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = super::needs[Encoder, VolatilePreset], touches = [Preset], catches = [PresetIgnored])]
 fn preset(bench: &mut Bench<'_>) -> Judged {
@@ -148,7 +148,7 @@ fn scaling(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// The operating status 6500h shows what 6000h was set to.
+/// The operating status 6500h shows the settings of 6000h.
 #[case(id = "406/operating-status/follows", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = super::needs[Encoder], catches = [OperatingStatusStuck])]
 fn status(bench: &mut Bench<'_>) -> Judged {

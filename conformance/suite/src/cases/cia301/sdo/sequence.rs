@@ -15,7 +15,7 @@ use canvass_traces::{Duration, Record, Timestamp};
 
 const ERROR_REGISTER: Multiplexer = Multiplexer::new(object::ERROR_REGISTER, 0);
 
-/// A download that is given up for another request ends; the request is served, and the object keeps its value.
+/// A new request ends a download in progress: the server answers the request, and the object keeps its value.
 #[case(id = "301/sdo/transfer/abandoned-download", clause = "CiA 301 7.2.4.3.2", confidence = Cited, level = Must,
        needs = [ScratchObject, SegmentedDownload], catches = [SdoBusyAfterAbandonedDownload, SdoSegmentsWrittenAtOnce])]
 fn abandoned_download(bench: &mut Bench<'_>) -> Judged {
@@ -29,9 +29,9 @@ fn abandoned_download(bench: &mut Bench<'_>) -> Judged {
     bench.expect_tidy()
 }
 
-/// Two requests without a pause between them: each answer belongs to one of them and names its object with its value.
+/// After two requests without a pause, each response belongs to one of them and carries its object and its value.
 ///
-/// A server may have room for one request only; the first or the second may then go unanswered.
+/// A server may have room for one request only, and may then leave the first or the second one unanswered.
 #[case(id = "301/sdo/transfer/back-to-back", clause = "CiA 301 7.2.4.3.6", confidence = Cited, level = Should,
        catches = [SdoBackToBackMixed])]
 fn back_to_back(bench: &mut Bench<'_>) -> Judged {
@@ -86,7 +86,7 @@ fn ends_transfer(bench: &mut Bench<'_>) -> Judged {
     bench.expect_tidy()
 }
 
-/// A command that has no place in an upload under way is refused with abort 0504 0001h, and the object keeps its value.
+/// A command that is not allowed during an upload is refused with abort 0504 0001h, and the object keeps its value.
 #[case(id = "301/sdo/command/wrong-in-upload", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Should,
        needs = [SegmentedUpload], catches = [SdoWrongCommandIgnored, SdoCommandWrongCode, SdoSegmentWrittenInUpload,
                                          SdoRefusedSegmentServed])]
@@ -102,7 +102,7 @@ fn wrong_in_upload(bench: &mut Bench<'_>) -> Judged {
     bench.expect_tidy()
 }
 
-/// A command that has no place in a download under way is refused with abort 0504 0001h, and the object keeps its value.
+/// A command that is not allowed during a download is refused with abort 0504 0001h, and the object keeps its value.
 #[case(id = "301/sdo/command/wrong-in-download", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Should,
        needs = [ScratchObject, SegmentedDownload], catches = [SdoWrongCommandIgnored, SdoCommandWrongCode])]
 fn wrong_in_download(bench: &mut Bench<'_>) -> Judged {
@@ -114,7 +114,7 @@ fn wrong_in_download(bench: &mut Bench<'_>) -> Judged {
     bench.expect_unchanged(scratch.multiplexer, &scratch.value)
 }
 
-/// Commands of a block upload without one are refused with abort 0504 0001h.
+/// Commands of a block upload are refused with abort 0504 0001h when no block upload is in progress.
 #[case(id = "301/sdo/command/stray-block-upload", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Should,
        catches = [SdoStrayBlockSilent, SdoCommandWrongCode])]
 fn stray_block_upload(bench: &mut Bench<'_>) -> Judged {
@@ -134,7 +134,7 @@ fn stray_block_upload(bench: &mut Bench<'_>) -> Judged {
     bench.expect_tidy()
 }
 
-/// The end of a block download without one is refused with abort 0504 0001h.
+/// The end of a block download is refused with abort 0504 0001h when no block download is in progress.
 #[case(id = "301/sdo/command/stray-block-download", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Should,
        catches = [SdoStrayBlockSilent, SdoCommandWrongCode])]
 fn stray_block_download(bench: &mut Bench<'_>) -> Judged {
@@ -148,8 +148,8 @@ fn stray_block_download(bench: &mut Bench<'_>) -> Judged {
 /// Time for which the client stays silent; a server that supervises its transfers ends them in this time.
 const SILENCE: Duration = Duration::from_millis(3_000);
 
-/// After a client that does not go on with a segmented transfer the next request is served. A server that ends the
-/// transfer by itself says so with abort 0504 0000h.
+/// The server answers the next request after a client has stopped in the middle of a segmented transfer. A server that
+/// ends the transfer by itself reports it by abort 0504 0000h.
 #[case(id = "301/sdo/transfer/silent-client", clause = "CiA 301 7.2.4.3.5", confidence = Cited, level = Must,
        needs = [SegmentedUpload], catches = [SdoTimeoutWedges])]
 fn silent_client(bench: &mut Bench<'_>) -> Judged {
@@ -178,7 +178,8 @@ fn silent_client(bench: &mut Bench<'_>) -> Judged {
 /// Number of requests whose response time is measured.
 const REQUESTS: usize = 600;
 
-/// Of many requests in a row every one is answered in time. Median, 95th percentile and maximum are reported.
+/// The server answers each of many consecutive requests in time. The case reports median, 95th percentile and maximum
+/// of the response time.
 #[case(id = "301/sdo/timing/responses", clause = "CiA 301 7.2.4.3.1", confidence = Cited, level = Must,
        catches = [SdoResponseLost, SdoMemoryLeak, SdoResponseSlow])]
 fn responses(bench: &mut Bench<'_>) -> Judged {
