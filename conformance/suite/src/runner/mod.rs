@@ -151,7 +151,7 @@ pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEv
     summary.host = bench.is_live().then(|| HostTiming::of(&bench.health(), bench.now()));
     report(&RunEvent::RunFinished(&summary));
     if summary.executed() == 0 {
-        let reason = format!("of {} cases none could be judged", summary.total());
+        let reason = format!("none of {} cases could be judged", summary.total());
         return Err(RunError::NothingToRun { reason });
     }
     Ok(summary)

@@ -34,7 +34,7 @@ pub(super) fn judge(mut trial: Trial, bench: &mut Bench<'_>) -> Trial {
     let usual = bench.knowledge.usual_answer();
     let late = |found: &Reason| {
         let actual = format!(
-            "the device was late as a whole: a read beside the case was answered {lateness} later{}",
+            "the device was late as a whole: a read outside the case was answered {lateness} later{}",
             meanwhile(found)
         );
         let reason = Reason::new(DEVICE_KEEPS_UP, format!("answers after {usual}, as usual"), actual);
@@ -66,7 +66,7 @@ pub(crate) fn doubt(report: &CaseReport, bench: &Bench<'_>) -> Option<Reason> {
     let usual = bench.knowledge.usual_answer();
     let found = report.verdict.reason().map(|reason| meanwhile(&reason)).unwrap_or_default();
     let actual = format!(
-        "another try found nothing, and the device was late as a whole in this run, by up to {lateness}{found}"
+        "another try found no failure, and the device was late as a whole in this run, by up to {lateness}{found}"
     );
     let reason = Reason::new(DEVICE_KEEPS_UP, format!("answers after {usual}, as usual"), actual);
     Some(reason.for_lack_of(Lack::Promptness))

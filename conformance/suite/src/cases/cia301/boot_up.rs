@@ -141,7 +141,7 @@ fn no_sdo_before(bench: &mut Bench<'_>) -> Judged {
         }
     }
     if let Some(frame) = early {
-        let duty = "no SDO is answered before the boot-up message";
+        let duty = "no SDO request is answered before the boot-up message";
         let breach = Breach::new(Service::Sdo, duty).expected(Observation::Silence);
         let response = sdo::Response::read(frame.data()).ok();
         let found = response.map_or(Observation::Frame(frame), |response| observed_response(&response));

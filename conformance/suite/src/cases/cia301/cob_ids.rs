@@ -62,7 +62,7 @@ fn patterns(bench: &mut Bench<'_>) -> Judged {
         let off = unused(at, own);
         // Another case judges whether a PDO can be switched off.
         if off != own {
-            let attempt = bench.download(at, &off.to_le_bytes())?.under("which puts it out of use");
+            let attempt = bench.download(at, &off.to_le_bytes())?.under("to switch it off");
             match is_single(at) {
                 true => attempt.refused(Situation::Confirmed)?,
                 false if attempt.abort().is_some() => return Ok(()),
@@ -106,7 +106,7 @@ fn takes(bench: &mut Bench<'_>, at: Multiplexer, cob_id: u32) -> Judged {
     bench.download(at, value)?.under("with a CAN-ID that is not restricted").refused(Situation::Confirmed)?;
     let found = bench.read(at)?;
     bench.check(demand(found == value, || {
-        Breach::new(at, "a COB-ID reads as it was written")
+        Breach::new(at, "a COB-ID reads back as written")
             .expected(Observation::Value(value.to_vec()))
             .found(Observation::Value(found))
     }))
@@ -181,7 +181,9 @@ fn frame_bit(bench: &mut Bench<'_>) -> Judged {
         } else {
             bench.expect_effect(at, &(off & !0x7FF | FRAME | FREE).to_le_bytes())?;
             let long = bench.download(at, &(off & !0x1FFF_FFFF | FRAME | LONG).to_le_bytes())?;
-            bench.check(long.under("which has 29 bits, after bit 29 was taken").refused(Situation::Confirmed))?;
+            bench.check(
+                long.under("with a CAN-ID of 29 bits, after bit 29 was accepted").refused(Situation::Confirmed),
+            )?;
         }
         bench.download(at, &off.to_le_bytes())?;
         bench.download(at, &own.to_le_bytes())?;

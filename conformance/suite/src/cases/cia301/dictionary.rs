@@ -35,7 +35,7 @@ fn described(bench: &mut Bench<'_>) -> Judged {
         let length = data_type.bytes();
         bench.check(demand(length.is_none_or(|length| length == value.len()), || {
             Breach::new(multiplexer, "an object has the length of its data type")
-                .expected(format!("{} bytes, as {data_type} has", length.unwrap_or_default()))
+                .expected(format!("{} bytes, the length of {data_type}", length.unwrap_or_default()))
                 .found(Observation::Value(value))
         }))
     })
@@ -113,7 +113,7 @@ fn structure(bench: &mut Bench<'_>) -> Judged {
         let is_known = matches!(found & 0xFF, 7..=9) && found >> 24 == 0 && value.len() == 4;
         bench.check(demand(is_known && expected.is_none_or(|expected| expected == found & 0xFF), || {
             let code = expected.map_or_else(|| "7, 8 or 9".to_owned(), |expected| expected.to_string());
-            Breach::new(attempt.multiplexer, "sub-index FFh tells the object code in bits 0 to 7; bits 24 to 31 are 0")
+            Breach::new(attempt.multiplexer, "sub-index FFh holds the object code in bits 0 to 7; bits 24 to 31 are 0")
                 .expected(format!("object code {code}"))
                 .found(Observation::Value(value.clone()))
         }))?;
@@ -133,7 +133,8 @@ fn after_reset(bench: &mut Bench<'_>) -> Judged {
     for (at, before) in &before {
         let now = after.iter().find(|(other, _)| other == at).map(|(_, value)| value);
         bench.check(demand(now == Some(before), || {
-            let found = now.map_or(Observation::named("no value any more"), |now| Observation::Value(now.clone()));
+            let found =
+                now.map_or(Observation::named("no value after the reset"), |now| Observation::Value(now.clone()));
             let breach = Breach::new(*at, "a parameter is the same after every reset node");
             breach.expected(Observation::Value(before.clone())).found(found)
         }))?;

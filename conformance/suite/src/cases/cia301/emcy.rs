@@ -62,7 +62,7 @@ pub(super) fn begin_monitoring(bench: &mut Bench<'_>) -> Result<Monitored, Stop>
         Monitored::Master
     } else {
         let Some(node) = bench.vacant_neighbour() else {
-            let reason = Reason::new("a node-ID beside that of the device is free", "one", "none");
+            let reason = Reason::new("a node-ID next to that of the device is free", "one", "none");
             return Err(Stop::NotApplicable(reason));
         };
         bench.write(WATCHED, &entry(node, CONSUMER_MS))?;
@@ -179,7 +179,7 @@ pub(super) fn reported_loss(bench: &mut Bench<'_>) -> Result<(Monitored, Vec<Rec
         return Ok((monitored, heard));
     }
     let found = shown(&heard);
-    Err(Stop::Inconclusive(Reason::new("a master or node that falls silent is reported", "an EMCY", found)))
+    Err(Stop::Inconclusive(Reason::new("the loss of a master or node is reported", "an EMCY", found)))
 }
 
 /// The case only records whether the device reports the loss of its master or of a monitored node by EMCY 8130h or a
@@ -195,7 +195,7 @@ fn monitoring_lost(bench: &mut Bench<'_>) -> Judged {
     };
     bench.note(format!("the EMCY for a lost master or node: {}", shown(&heard)));
     bench.check(demand(heard.first().is_some_and(|first| fits_loss(first, node)), || {
-        Breach::new(Service::Emcy, "a master or node that falls silent is reported by a code that fits")
+        Breach::new(Service::Emcy, "the loss of a master or node is reported by a matching error code")
             .expected(Observation::Emcy(EmcyCode::HEARTBEAT))
             .found(observed(&heard))
             .told(shown(&heard))
@@ -220,9 +220,9 @@ fn generic_bit(bench: &mut Bench<'_>) -> Judged {
        needs = [Monitoring], catches = [ErrorRegisterReadClears])]
 fn register_read(bench: &mut Bench<'_>) -> Judged {
     reported_loss(bench)?;
-    tells_of_error(bench, "1001h tells of the error").or_inconclusive()?;
+    tells_of_error(bench, "1001h shows the error").or_inconclusive()?;
     bench.each(["second", "third"], |bench, time| {
-        tells_of_error(bench, &format!("1001h tells of an error that is still there, also at the {time} reading"))
+        tells_of_error(bench, &format!("1001h still shows a persistent error at the {time} reading"))
     })
 }
 
@@ -285,7 +285,8 @@ fn stopped(bench: &mut Bench<'_>) -> Judged {
     let afterwards = emergencies(bench, bench.timing().silence)?;
     let register = bench.read(ERROR_REGISTER)?;
     if heard.is_empty() && afterwards.is_empty() && register.iter().all(|&bits| bits == 0) {
-        let reason = Reason::new("an error came in stopped", "an EMCY afterwards, or 1001h other than 0", "neither");
+        let reason =
+            Reason::new("an error occurred in stopped", "an EMCY afterwards, or 1001h other than 0", "neither");
         return Err(Stop::Inconclusive(reason));
     }
     bench.note(format!("EMCY after stopped: {}", shown(&afterwards)));

@@ -34,7 +34,7 @@ fn cob_id(bench: &mut Bench<'_>) -> Judged {
     let right = described.unwrap_or(predefined);
     let own = bench.read(COB_ID)?;
     bench.check(demand(number(&own) & !CobId::INVALID == right & !CobId::INVALID, || {
-        Breach::new(COB_ID, "1014h names the CAN-ID of EMCY, here with bit 31 or without")
+        Breach::new(COB_ID, "1014h holds the CAN-ID of EMCY, with bit 31 set or cleared")
             .expected(Observation::Value(right.to_le_bytes().to_vec()))
             .found(Observation::Value(own))
     }))
@@ -75,7 +75,7 @@ fn invalid(bench: &mut Bench<'_>) -> Judged {
     bench.write_confirmed(COB_ID, &(own | CobId::INVALID).to_le_bytes())?;
     let now = bench.read(COB_ID)?;
     bench.check(demand(number(&now) & CobId::INVALID != 0, || {
-        let breach = Breach::new(COB_ID, "bit 31 of 1014h reads as it was written").expected("bit 31");
+        let breach = Breach::new(COB_ID, "bit 31 of 1014h reads back as written").expected("bit 31");
         breach.found(Observation::Value(now))
     }))?;
     begin_monitoring(bench)?;
@@ -132,7 +132,7 @@ fn inhibit_time(bench: &mut Bench<'_>) -> Judged {
     let gap = back.map(|back| back.timestamp.since(lost));
     let least = Duration::from_nanos(INHIBIT.nanos() - bench.timing().tolerance(INHIBIT).nanos());
     bench.check(demand(gap.is_some_and(|gap| gap >= least), || {
-        let duty = "EMCY 0000h within the inhibit time of the EMCY before is sent when that is over";
+        let duty = "an EMCY 0000h within the inhibit time of the previous EMCY is sent when that time is over";
         Breach::new(INHIBIT_TIME, duty)
             .expected(Allowed::Time { least, most: INHIBIT.times(2) })
             .found(gap.map_or(Observation::Silence, Observation::Time))
@@ -145,10 +145,10 @@ fn unreported(bench: &mut Bench<'_>, monitored: super::emcy::Monitored) -> Judge
     sign_of_life(bench, monitored)?;
     let heard = emergencies(bench, UNTIL_LOST)?;
     bench.check(demand(!heard.iter().any(is_error), || {
-        let duty = "an error that is reported without inhibit time is reported with one";
+        let duty = "an error that is reported without inhibit time is also reported with one";
         Breach::new(INHIBIT_TIME, duty).expected("an EMCY").found(Observation::Silence).told(shown(&heard))
     }))?;
-    Err(Stop::Inconclusive(Reason::new("a master or node that falls silent is reported", "an EMCY", "none")))
+    Err(Stop::Inconclusive(Reason::new("the loss of a master or node is reported", "an EMCY", "none")))
 }
 
 /// An EMCY has eight bytes. Its third byte is the error register as read from 1001h, with the generic bit set.
@@ -177,6 +177,6 @@ fn register_fits_code(bench: &mut Bench<'_>) -> Judged {
     }))?;
     let is_communication = super::emcy::code_of(last) == Some(EmcyCode::HEARTBEAT);
     bench.check(demand(!is_communication || sent & ErrorRegister::COMMUNICATION.0 != 0, || {
-        breach("byte 2 of EMCY 8130h says that it is a communication error").expected("bit 4").open()
+        breach("byte 2 of EMCY 8130h has the bit of communication errors").expected("bit 4").open()
     }))
 }

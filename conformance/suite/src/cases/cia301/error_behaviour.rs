@@ -40,7 +40,7 @@ pub(super) fn after_a_loss(bench: &mut Bench<'_>) -> Result<Option<State>, Stop>
 fn lost(bench: &mut Bench<'_>, behaviour: u8, from: State, to: State) -> Judged {
     bench.expect_emergencies();
     let Some(node) = bench.vacant_neighbour() else {
-        let reason = Reason::new("a node-ID beside that of the device is free", "one", "none");
+        let reason = Reason::new("a node-ID next to that of the device is free", "one", "none");
         return Err(Stop::NotApplicable(reason));
     };
     bench.write_confirmed(BEHAVIOUR, &[behaviour])?;
@@ -53,7 +53,8 @@ fn lost(bench: &mut Bench<'_>, behaviour: u8, from: State, to: State) -> Judged 
     bench.listen(UNTIL_LOST)?;
     let found = bench.state()?.map_or(Observation::Silence, Observation::State);
     bench.check(demand(found == Observation::State(to), || {
-        let duty = format!("the device is {to} after the loss of a watched node in {from} with 1029h:01 = {behaviour}");
+        let duty =
+            format!("the device is {to} after the loss of a monitored node in {from} with 1029h:01 = {behaviour}");
         Breach::new(BEHAVIOUR, duty).expected(Observation::State(to)).found(found)
     }))
 }

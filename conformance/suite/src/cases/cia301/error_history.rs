@@ -45,8 +45,12 @@ fn empty(bench: &mut Bench<'_>) -> Judged {
 fn reported(bench: &mut Bench<'_>) -> Result<Vec<u16>, Stop> {
     let codes = error_codes(&emergencies(bench, UNTIL_LOST)?);
     if codes.is_empty() {
-        let actual = "none: nothing was signalled that the history could hold";
-        return Err(Stop::Inconclusive(Reason::new("the loss of who is monitored is an error", "an EMCY", actual)));
+        let actual = "none, so that the history has no error to hold";
+        return Err(Stop::Inconclusive(Reason::new(
+            "the loss of the monitored node or master is reported",
+            "an EMCY",
+            actual,
+        )));
     }
     Ok(codes)
 }
@@ -172,7 +176,7 @@ fn stopped(bench: &mut Bench<'_>) -> Judged {
     bench.listen(Duration::from_millis(200))?;
     let value = bench.upload(COUNT)?.value()?;
     bench.check(demand(value.first().is_some_and(|&count| count > 0), || {
-        Breach::new(COUNT, "an error that came in stopped is in 1003h")
+        Breach::new(COUNT, "an error that occurred in stopped is in 1003h")
             .expected("1003h:00 of 1 or more")
             .found(Observation::Value(value))
     }))

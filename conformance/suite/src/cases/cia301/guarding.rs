@@ -104,7 +104,7 @@ fn state(bench: &mut Bench<'_>) -> Judged {
         let found = answer(bench)?;
         let is_right = found.is_some_and(|frame| matches!(*frame.data(), [byte] if byte & 0x7F == state.0));
         bench.check(demand(is_right, || {
-            let duty = format!("a device that is {state} says so when it is guarded");
+            let duty = format!("the guarding answer of a device that is {state} shows this state");
             let expected = format!("{:02X} or {:02X}", state.0, state.0 | 0x80);
             Breach::new(Service::Guarding, duty).expected(expected).found(observed(found))
         }))
@@ -178,7 +178,7 @@ fn not_supported(bench: &mut Bench<'_>) -> Judged {
         return Err(Stop::NotApplicable(Reason::new(
             "the device has no node guarding",
             "a device without guard time",
-            "100Ch:00 is there",
+            "100Ch:00 exists",
         )));
     }
     bench.prefer_guarding()?;

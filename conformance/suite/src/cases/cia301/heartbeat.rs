@@ -103,7 +103,7 @@ fn state(bench: &mut Bench<'_>) -> Judged {
             (_, Some(wrong)) => Observation::Value(wrong.data().to_vec()),
             _ => return Ok(()),
         };
-        let duty = format!("heartbeats of a device that is {state} say so");
+        let duty = format!("heartbeats of a device that is {state} show this state");
         let breach = Breach::new(Service::Heartbeat, duty).expected(Observation::Value(vec![state.0]));
         bench.check(Err(Box::new(breach.found(found))))
     })
@@ -192,7 +192,7 @@ fn new_state(bench: &mut Bench<'_>) -> Judged {
         let found = after.first().map_or(Observation::Silence, |record| Observation::Value(record.data().to_vec()));
         let right = Observation::Value(vec![state.0]);
         bench.check(demand(found == right, || {
-            let duty = format!("the first heartbeat of a device that became {state} says so");
+            let duty = format!("the first heartbeat of a device that became {state} shows this state");
             Breach::new(Service::Heartbeat, duty).expected(right).found(found)
         }))
     })

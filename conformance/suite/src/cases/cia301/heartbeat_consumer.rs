@@ -39,7 +39,7 @@ fn duplicate(bench: &mut Bench<'_>) -> Judged {
     const SECOND: Multiplexer = Multiplexer::new(object::CONSUMER_HEARTBEAT_TIME, 2);
     let node = neighbour(bench)?;
     if !bench.has(SECOND)? {
-        let reason = Reason::new("two nodes can be watched", "1016h:02", "the device has one entry");
+        let reason = Reason::new("two nodes can be monitored", "1016h:02", "the device has one entry");
         return Err(Stop::NotApplicable(reason));
     }
     bench.write(WATCHED, &entry(node, 500))?;
@@ -51,7 +51,7 @@ fn duplicate(bench: &mut Bench<'_>) -> Judged {
 pub(super) fn neighbour(bench: &Bench<'_>) -> Result<u8, Stop> {
     bench
         .vacant_neighbour()
-        .ok_or_else(|| Stop::NotApplicable(Reason::new("a node-ID beside that of the device is free", "one", "none")))
+        .ok_or_else(|| Stop::NotApplicable(Reason::new("a node-ID next to that of the device is free", "one", "none")))
 }
 
 /// A node that the operational device monitors, and the sign of its loss.
@@ -144,12 +144,18 @@ fn signs_in(bench: &Bench<'_>, heard: Vec<Record>) -> Signs {
 /// Requires a sign of the loss: the NMT state if the device shows it, otherwise an EMCY.
 pub(super) fn noticed(at: Multiplexer, watch: &Watch, signs: &Signs) -> Judged {
     let Some(right) = watch.enters else {
-        let reason = || Reason::new("a loss shows", "an EMCY, or heartbeats (1017h) that say the state", "neither");
+        let reason = || {
+            Reason::new(
+                "the loss of a node is visible",
+                "an EMCY, or heartbeats (1017h) that show the state",
+                "neither",
+            )
+        };
         return if signs.errors.is_empty() { Err(Stop::Inconclusive(reason())) } else { Ok(()) };
     };
     let state = signs.left.map_or(State::OPERATIONAL, |(_, state)| state);
     demand(state == right, || {
-        Breach::new(at, format!("an operational device that misses a watched node becomes {right}"))
+        Breach::new(at, format!("an operational device that loses a monitored node becomes {right}"))
             .expected(Observation::State(right))
             .found(Observation::State(state))
             .told(signs.text())
@@ -184,7 +190,7 @@ fn first_heartbeat(bench: &mut Bench<'_>) -> Judged {
     let early = bench.heard_since(begun);
     let mut signs = signs(bench, CONSUMER_TIME.times(5))?;
     signs.errors.splice(0..0, errors_of(bench, early));
-    bench.check(unnoticed(WATCHED, "a node that was never heard is not missed", &signs))
+    bench.check(unnoticed(WATCHED, "a node that has sent no heartbeat is not reported as lost", &signs))
 }
 
 /// The device reports no loss of a monitored node whose heartbeats arrive in time.
@@ -199,7 +205,10 @@ fn kept_alive(bench: &mut Bench<'_>) -> Judged {
         all.errors.extend(errors);
         all.left = all.left.or(left);
     }
-    bench.check(unnoticed_in_time("a node that sends a heartbeat every 100 ms is not missed after 200 ms", &all))
+    bench.check(unnoticed_in_time(
+        "a node that sends a heartbeat every 100 ms is not reported as lost after 200 ms",
+        &all,
+    ))
 }
 
 /// The device detects the loss of a monitored node after the consumer heartbeat time, and leaves operational unless
@@ -272,7 +281,7 @@ fn in_time(signs: &Signs, sent: Timestamp) -> Check {
     // A state shows only with the next heartbeat.
     let most = Duration::from_nanos(CONSUMER_TIME.nanos() / 2 * 3) + SHOWN_EVERY;
     demand((least..=most).contains(&after), || {
-        Breach::new(WATCHED, format!("a node is missed after {CONSUMER_TIME}"))
+        Breach::new(WATCHED, format!("the loss of a node is detected after {CONSUMER_TIME}"))
             .expected(Allowed::Time { least, most })
             .found(Observation::Time(after))
     })
@@ -282,13 +291,13 @@ fn reported_once(watch: &Watch, signs: &Signs) -> Check {
     demand(signs.errors.len() < 2, || {
         let at_most_one = Allowed::Count { least: 0, most: Some(1) };
         let found = Observation::Count(signs.errors.len() as u64);
-        Breach::new(WATCHED, "a node that falls silent is reported once").expected(at_most_one).found(found)
+        Breach::new(WATCHED, "the loss of a node is reported once").expected(at_most_one).found(found)
     })?;
     let wrong = signs.errors.iter().find(|record| !fits_loss(record, Some(watch.node)));
     demand(wrong.is_none(), || {
         let expected =
             Allowed::OneOf(vec![Observation::Emcy(EmcyCode::HEARTBEAT), Observation::Emcy(EmcyCode::GENERIC)]);
-        let breach = Breach::new(WATCHED, "the EMCY for a lost node has a code that fits").expected(expected);
+        let breach = Breach::new(WATCHED, "the EMCY for a lost node has a matching error code").expected(expected);
         breach.found(observed(&signs.errors)).told(shown(&signs.errors))
     })
 }
@@ -305,7 +314,7 @@ fn back(bench: &mut Bench<'_>) -> Judged {
         let lost = signs(bench, CONSUMER_TIME.times(3))?;
         match noticed(WATCHED, &watch, &lost) {
             Err(Stop::Inconclusive(_)) if !is_first => {
-                let breach = Breach::new(WATCHED, "a node that is lost again is reported again, as the first time");
+                let breach = Breach::new(WATCHED, "a second loss of a node is reported like the first");
                 return bench.check(Err(Box::new(breach.expected("an EMCY").found(Observation::Silence))));
             }
             judged => judged?,
@@ -336,13 +345,13 @@ fn return_is_no_error(bench: &mut Bench<'_>) -> Judged {
     beat(bench, watch.node)?;
     let lost = signs(bench, CONSUMER_TIME.times(3))?;
     if lost.left.is_none_or(|(_, state)| state != lost_in) {
-        let reason = Reason::new("the loss of a node shows in the state", lost_in.to_string(), lost.text());
+        let reason = Reason::new("the loss of a node changes the NMT state", lost_in.to_string(), lost.text());
         return Err(Stop::NotApplicable(reason));
     }
     operational(bench)?;
     let before = signs(bench, SHOWN_EVERY.times(2))?;
     demand(before.left.is_none(), || {
-        let breach = Breach::new(WATCHED, "a device that misses a node can be made operational");
+        let breach = Breach::new(WATCHED, "a device that has lost a node can be made operational");
         breach.expected(Observation::State(State::OPERATIONAL)).found(Observation::State(lost_in))
     })
     .or_inconclusive()?;
@@ -353,7 +362,7 @@ fn return_is_no_error(bench: &mut Bench<'_>) -> Judged {
     }
     bench.check(demand(left.is_none(), || {
         let found = left.map_or(State::OPERATIONAL, |(_, state)| state);
-        let breach = Breach::new(WATCHED, "an operational device stays so when a node that it missed is back");
+        let breach = Breach::new(WATCHED, "an operational device stays operational when a lost node returns");
         breach.expected(Observation::State(State::OPERATIONAL)).found(Observation::State(found))
     }))
 }
@@ -401,7 +410,10 @@ fn several(bench: &mut Bench<'_>) -> Judged {
         let at = Multiplexer::new(object::CONSUMER_HEARTBEAT_TIME, sub);
         bench.each([5_000_u16, 60_000], |bench, time| {
             let value = entry(node, time);
-            bench.download(at, &value)?.under("while other entries watch other nodes").refused(Situation::Confirmed)?;
+            bench
+                .download(at, &value)?
+                .under("while other entries monitor other nodes")
+                .refused(Situation::Confirmed)?;
             bench.expect_unchanged(at, &value)
         })
     })
@@ -418,7 +430,7 @@ fn off(bench: &mut Bench<'_>) -> Judged {
     beat(bench, node)?;
     bench.write(WATCHED, &entry(node, 0))?;
     let signs = signs(bench, Duration::from_millis(u64::from(LONG_MS) * 3 / 2))?;
-    bench.check(unnoticed_in_time("a node that is no longer watched is not missed", &signs))
+    bench.check(unnoticed_in_time("a node that is no longer monitored is not reported as lost", &signs))
 }
 
 /// Writing 1016h:00, the number of entries, is refused with abort 0601 0002h.
@@ -457,7 +469,7 @@ fn no_node(bench: &mut Bench<'_>) -> Judged {
         operational(bench)?;
         beat(bench, node)?;
         let signs = signs(bench, CONSUMER_TIME.times(3))?;
-        bench.check(unnoticed(WATCHED, format!("an entry for node-ID {unused} watches nobody"), &signs))
+        bench.check(unnoticed(WATCHED, format!("an entry for node-ID {unused} monitors no node"), &signs))
     })
 }
 

@@ -24,7 +24,7 @@ fn beside_writes(bench: &mut Bench<'_>) -> Judged {
     let mut scratches = bench.scratch_objects()?;
     scratches.retain(|scratch| is_apart(scratch.multiplexer.index.0));
     if scratches.is_empty() {
-        let reason = Reason::new("a parameter of something else can be written", "one", "none");
+        let reason = Reason::new("a parameter that does not affect monitoring can be written", "one", "none");
         return Err(Stop::NotApplicable(reason));
     }
     let watch = watch(bench)?;
@@ -56,8 +56,10 @@ fn heard_in_stopped(bench: &mut Bench<'_>) -> Judged {
     operational(bench)?;
     let took = bench.now().since(heard);
     demand(took < time, || {
-        let breach =
-            Breach::new(WATCHED, format!("the device is operational within {time}, before it misses the node"));
+        let breach = Breach::new(
+            WATCHED,
+            format!("the device is operational within {time}, before it detects the loss of the node"),
+        );
         breach.expected(format!("less than {time}")).found(Observation::Time(took))
     })
     .or_inconclusive()?;
@@ -72,7 +74,7 @@ fn heard_in_stopped(bench: &mut Bench<'_>) -> Judged {
     if let Err(Stop::Breach(_)) = noticed(WATCHED, &watch, &lost) {
         let reason = Reason::new(
             "the device reports the loss of a node that it monitors in operational",
-            "a loss that shows",
+            "a visible loss",
             lost.text(),
         );
         return Err(Stop::NotApplicable(reason));
@@ -94,7 +96,8 @@ fn reset(bench: &mut Bench<'_>) -> Judged {
     bench.reset(Command::RESET_COMMUNICATION)?;
     let now = bench.read(WATCHED)?;
     if now == own && bench.stores_by_itself()? {
-        let reason = Reason::new("a reset brings the power-on value of 1016h:01", "another value", "the one written");
+        let reason =
+            Reason::new("a reset restores the power-on value of 1016h:01", "another value", "the written value");
         return Err(Stop::NotApplicable(reason));
     }
     demand(now != own, || {
@@ -107,5 +110,5 @@ fn reset(bench: &mut Bench<'_>) -> Judged {
     let begun = bench.now();
     beat(bench, node)?;
     let signs = signs_since(bench, begun, CONSUMER_TIME.times(4))?;
-    bench.check(unnoticed(WATCHED, "a node that 1016h does not name any more is not missed", &signs))
+    bench.check(unnoticed(WATCHED, "a node that 1016h no longer contains is not reported as lost", &signs))
 }

@@ -25,7 +25,7 @@ fn time_zero(bench: &mut Bench<'_>) -> Judged {
     bench.each(["first", "second"], |bench, which| {
         beat(bench, node)?;
         let signs = signs(bench, Duration::from_millis(500))?;
-        let duty = format!("a node whose entry has the time 0 is not missed after its {which} heartbeat");
+        let duty = format!("a node whose entry has the time 0 is not reported as lost after its {which} heartbeat");
         bench.check(unnoticed(WATCHED, duty, &signs))
     })
 }

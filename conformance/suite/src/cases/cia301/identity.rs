@@ -65,7 +65,7 @@ fn device_type(bench: &mut Bench<'_>) -> Judged {
     bench.check(demand(is_legal, || {
         let breach =
             Breach::new(DEVICE_TYPE, "1000h is an UNSIGNED32, and without a profile its upper half is 0 or FFFFh");
-        breach.expected("4 bytes of that form").found(Observation::Value(value.clone()))
+        breach.expected("4 bytes in this form").found(Observation::Value(value.clone()))
     }))?;
     as_described(bench, DEVICE_TYPE, &value)
 }
@@ -113,7 +113,7 @@ fn as_described(bench: &mut Bench<'_>, multiplexer: Multiplexer, value: &[u8]) -
     let general = vendor.map(i128::from);
     bench.each([default, general].into_iter().flatten(), |bench, described| {
         bench.check(demand(described == i128::from(number(value)), || {
-            Breach::new(multiplexer, "the identity of the device is that of its description")
+            Breach::new(multiplexer, "the identity of the device equals that of its description")
                 .expected(format!("{described:08X}h"))
                 .found(Observation::Value(value.to_vec()))
         }))

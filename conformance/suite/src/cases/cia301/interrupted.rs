@@ -31,7 +31,8 @@ fn stop_in_upload(bench: &mut Bench<'_>) -> Result<(Multiplexer, Vec<u8>), Stop>
     let heard = bench.listen(bench.silence())?;
     let late = heard.into_iter().map(|record| record.frame).find(|frame| frame.cob_id() == Some(response_id));
     bench.check(late.map_or(Ok(()), |frame| {
-        let breach = Breach::new(Service::Sdo, "a request in stopped is not answered after it, either");
+        let breach =
+            Breach::new(Service::Sdo, "a request in stopped is not answered after the device has left stopped either");
         Err(Box::new(breach.expected(Observation::Silence).found(Observation::Frame(frame))))
     }))?;
     Ok((multiplexer, right))
@@ -43,7 +44,7 @@ fn stop_in_upload(bench: &mut Bench<'_>) -> Result<(Multiplexer, Vec<u8>), Stop>
        needs = [SegmentedUpload], catches = [SdoAnsweredWhenStopped])]
 fn stopped(bench: &mut Bench<'_>) -> Judged {
     let (multiplexer, right) = stop_in_upload(bench)?;
-    bench.expect_value(multiplexer, &right, "a new upload gives the whole value")
+    bench.expect_value(multiplexer, &right, "a new upload returns the whole value")
 }
 
 /// Stop remote node ends a segmented upload: a request for its next segment is refused with abort 0504 0001h, or not
@@ -52,7 +53,7 @@ fn stopped(bench: &mut Bench<'_>) -> Judged {
        needs = [SegmentedUpload], catches = [SdoTransferSurvivesStop])]
 fn upload_ends(bench: &mut Bench<'_>) -> Judged {
     let (multiplexer, _) = stop_in_upload(bench)?;
-    let reply = bench.exchange(&NEXT, "request for a segment of the upload from before")?;
+    let reply = bench.exchange(&NEXT, "request for a segment of the interrupted upload")?;
     bench.check(demand(reply.abort().is_some() || reply.response.is_none(), || {
         let breach = Breach::new(multiplexer, "stop has ended the upload").expected("abort 0504 0001h or no answer");
         breach.found(reply.observation()).told(reply.actual())
@@ -99,7 +100,7 @@ fn nothing_since(bench: &Bench<'_>, arrived: Timestamp, booted: Option<Timestamp
     let response = said.find(|record| survives(record, booted)).map(|record| record.frame);
     demand(response.is_none(), || {
         let found = response.map_or(Observation::Silence, Observation::Frame);
-        let breach = Breach::new(Service::Sdo, "a reset ends a transfer, of which nothing more is heard");
+        let breach = Breach::new(Service::Sdo, "a reset ends a transfer, and no message of it follows");
         breach.expected(Observation::Silence).found(found)
     })
 }

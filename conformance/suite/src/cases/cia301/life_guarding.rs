@@ -45,7 +45,8 @@ fn life_time(bench: &mut Bench<'_>, guard_ms: u16, factor: u8) -> Result<LifeTim
     let guard = Duration::from_millis(u64::from(bench.read_number(GUARD_TIME)?));
     let life_time = LifeTime { guard, factor: u64::from(bench.read_number(LIFE_TIME_FACTOR)?), is_settable };
     if life_time.whole() == Duration::ZERO {
-        let reason = Reason::new("the device can watch its master", "100Ch and 100Dh other than 0", "0, and read-only");
+        let reason =
+            Reason::new("the device can monitor its master", "100Ch and 100Dh other than 0", "0, and read-only");
         return Err(Stop::NotApplicable(reason));
     }
     Ok(life_time)
@@ -96,7 +97,7 @@ fn watches_at_all(life_time: LifeTime, found: &Observation) -> Judged {
     if life_time.is_settable || *found != Observation::State(State::OPERATIONAL) {
         return Ok(());
     }
-    let reason = Reason::new("the device watches its master", "100Ch and 100Dh rw, or a reaction", "ro, and none");
+    let reason = Reason::new("the device monitors its master", "100Ch and 100Dh rw, or a reaction", "ro, and none");
     Err(Stop::NotApplicable(reason))
 }
 
@@ -123,7 +124,7 @@ fn time(bench: &mut Bench<'_>) -> Judged {
     }
     let found = bench.guard()?.map_or(Observation::Silence, Observation::State);
     let Some(right) = enters else {
-        let reason = Reason::new("the loss of the master shows", "an EMCY, or 1029h:01 of 0 or 2", "neither");
+        let reason = Reason::new("the loss of the master is visible", "an EMCY, or 1029h:01 of 0 or 2", "neither");
         return Err(Stop::Inconclusive(reason));
     };
     watches_at_all(life_time, &found)?;
@@ -139,7 +140,8 @@ fn time(bench: &mut Bench<'_>) -> Judged {
 fn state(bench: &mut Bench<'_>) -> Judged {
     let life_time = life_time(bench, 100, 2)?;
     let Some(right) = after_a_loss(bench)? else {
-        let reason = Reason::new("operational is left on an error", "1029h:01 of 0 or 2", "another value, read-only");
+        let reason =
+            Reason::new("the device leaves operational on an error", "1029h:01 of 0 or 2", "another value, read-only");
         return Err(Stop::NotApplicable(reason));
     };
     operational(bench)?;
@@ -174,7 +176,7 @@ fn recovery(bench: &mut Bench<'_>) -> Judged {
     // reported it.
     let register = bench.read(ERROR_REGISTER)?;
     bench.check(demand(register == before, || {
-        Breach::new(ERROR_REGISTER, "the error register is as before when the error is gone")
+        Breach::new(ERROR_REGISTER, "the error register has its previous value when the error is gone")
             .expected(Observation::Value(before.clone()))
             .found(Observation::Value(register))
     }))?;
@@ -208,7 +210,7 @@ fn off(bench: &mut Bench<'_>) -> Judged {
         guard(bench)?;
         bench.write(multiplexer, zero)?;
         let lost = next_error(bench, life_time.whole() + life_time.guard)?;
-        not_missed(bench, &format!("with {multiplexer} = 0 the master is not watched"), lost)
+        not_missed(bench, &format!("with {multiplexer} = 0 the master is not monitored"), lost)
     })
 }
 
@@ -221,5 +223,5 @@ fn first_request(bench: &mut Bench<'_>) -> Judged {
     let life_time = life_time(bench, 100, 2)?;
     operational(bench)?;
     let lost = next_error(bench, life_time.whole().times(2))?;
-    not_missed(bench, "a master that has not guarded yet is not missed", lost)
+    not_missed(bench, "a master that has not guarded yet is not reported as lost", lost)
 }

@@ -56,7 +56,8 @@ fn other_length(bench: &mut Bench<'_>) -> Judged {
     }
     let longer = Mapped { bits: first.bits.saturating_add(8).min(64), ..first };
     if longer.bits == first.bits {
-        let reason = Reason::new("a mapped object can be mapped longer than it is", "fewer than 64 bits", "64 bits");
+        let reason =
+            Reason::new("a mapped object can be mapped with more bits than it has", "fewer than 64 bits", "64 bits");
         return Err(Stop::NotApplicable(reason));
     }
     let attempt = try_entry(bench, longer.entry())?;
@@ -71,7 +72,7 @@ fn empty_entry(bench: &mut Bench<'_>) -> Judged {
     let first = first_mapped(bench)?.entry();
     let has_second = bench.has(TPDO.entry(2))?;
     let mappings: [(&str, &[u32]); 3] =
-        [("alone", &[0]), ("after a right one", &[first, 0]), ("before a right one", &[0, first])];
+        [("alone", &[0]), ("after a valid entry", &[first, 0]), ("before a valid entry", &[0, first])];
     bench.each(mappings.into_iter().take(if has_second { 3 } else { 1 }), |bench, (place, entries)| {
         let mut attempt = try_entries(bench, entries)?;
         attempt.what = format!("mapping of an empty entry {place}");

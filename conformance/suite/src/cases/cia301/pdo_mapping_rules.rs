@@ -30,7 +30,7 @@ fn well_mapped(bench: &mut Bench<'_>, pdo: Pdo) -> Judged {
     let mapping = bench.mapping(pdo)?;
     let bits: u32 = mapping.iter().map(|mapped| u32::from(mapped.bits)).sum();
     bench.check(demand(bits <= 64, || {
-        let breach = Breach::new(pdo.entry(0), "a PDO maps what a frame can hold").expected("64 bits at most");
+        let breach = Breach::new(pdo.entry(0), "the objects of a PDO fit into a frame").expected("64 bits at most");
         breach.found(Observation::Number(u64::from(bits)))
     }))?;
     let entries = (1..=u8::MAX).zip(mapping).filter(|(_, mapped)| mapped.at.index.0 >= 0x20);
@@ -38,16 +38,16 @@ fn well_mapped(bench: &mut Bench<'_>, pdo: Pdo) -> Judged {
         let described = bench.target().description.as_ref();
         let entry = described.and_then(|description| description.dictionary.entry(mapped.at).ok());
         let found = match entry {
-            None => Observation::named("an object that the description does not name"),
-            Some(entry) if !entry.pdo_mappable => Observation::named("an object that is not for PDOs"),
+            None => Observation::named("an object that is missing in the description"),
+            Some(entry) if !entry.pdo_mappable => Observation::named("an object that is not PDO-mappable"),
             Some(entry) if entry.data_type.bits().is_some_and(|bits| bits != u32::from(mapped.bits)) => {
                 Observation::Number(u64::from(mapped.bits))
             }
             Some(_) => return Ok(()),
         };
-        let duty = format!("{} is mapped with its length in bits, and is an object for PDOs", mapped.at);
+        let duty = format!("{} is PDO-mappable, and mapped with its length in bits", mapped.at);
         let expected = entry.and_then(|entry| entry.data_type.bits()).map(|bits| Observation::Number(u64::from(bits)));
-        let breach = Breach::new(pdo.entry(sub), duty).expected("an object for PDOs").found(found);
+        let breach = Breach::new(pdo.entry(sub), duty).expected("a PDO-mappable object").found(found);
         let breach = expected.into_iter().fold(breach, Breach::expected);
         bench.check(Err(Box::new(breach)))
     })
@@ -71,13 +71,13 @@ fn procedure(bench: &mut Bench<'_>) -> Judged {
     }
     let after = bench.mapping(TPDO)?;
     bench.check(demand(after.len() == before.len(), || {
-        let breach = Breach::new(TPDO.entry(0), "the mapping counts what was written");
+        let breach = Breach::new(TPDO.entry(0), "the mapping has the number of entries that was written");
         breach.expected(Observation::Number(before.len() as u64)).found(Observation::Number(after.len() as u64))
     }))?;
     bench.each((1..=u8::MAX).zip(before.into_iter().zip(after)), |bench, (sub, (written, now))| {
         bench.check(demand(written == now, || {
             let value = |mapped: Mapped| Observation::Value(mapped.entry().to_le_bytes().to_vec());
-            let breach = Breach::new(TPDO.entry(sub), "the mapping is as it was written");
+            let breach = Breach::new(TPDO.entry(sub), "the mapping reads back as written");
             breach.expected(value(written)).found(value(now))
         }))
     })

@@ -49,7 +49,7 @@ fn parameter_count(bench: &mut Bench<'_>) -> Judged {
     bench.each(pdos, |bench, (pdo, _)| {
         let value = bench.upload(pdo.parameter(0))?.value()?;
         bench.check(demand(matches!(value.as_slice(), [2..=6]), || {
-            let breach = Breach::new(pdo.parameter(0), "sub-index 0 names the highest sub-index");
+            let breach = Breach::new(pdo.parameter(0), "sub-index 0 holds the highest sub-index");
             breach.expected("one byte, 2 to 6").found(Observation::Value(value.clone()))
         }))?;
         let attempt = bench.download(pdo.parameter(0), &value)?;
@@ -71,7 +71,7 @@ fn cob_id_predefined(bench: &mut Bench<'_>) -> Judged {
         });
         let is_right = !cob_id.is_valid() || cob_id.can_id() == base + node || described == Some(cob_id.0);
         bench.check(demand(is_right, || {
-            let breach = Breach::new(pdo.parameter(1), "the COB-ID of a PDO is the predefined one, or off");
+            let breach = Breach::new(pdo.parameter(1), "the COB-ID of a PDO is predefined, or the PDO is switched off");
             let breach = breach.expected(format!("{:03X}h, or bit 31", base + node));
             breach.found(Observation::Value(cob_id.0.to_le_bytes().to_vec()))
         }))
@@ -127,7 +127,7 @@ pub(super) fn reads_back(bench: &mut Bench<'_>, pdo: Pdo, written: CobId) -> Jud
     let right = Observation::Value((written.0 & !CobId::INVALID).to_le_bytes().to_vec());
     let found = Observation::Value(bench.read(pdo.parameter(1))?);
     bench.check(demand(found == right, || {
-        Breach::new(pdo.parameter(1), "a COB-ID reads as it was written").expected(right).found(found)
+        Breach::new(pdo.parameter(1), "a COB-ID reads back as written").expected(right).found(found)
     }))
 }
 
@@ -181,7 +181,7 @@ fn cob_id_extended(bench: &mut Bench<'_>) -> Judged {
         (id.is_extended() && id.raw() == 0x0012_3456).then_some(())
     })?;
     bench.check(demand(sent.is_some(), || {
-        Breach::new(TPDO.subject(), "a device that takes a 29-bit COB-ID uses it")
+        Breach::new(TPDO.subject(), "a device that accepts a 29-bit COB-ID uses it")
             .expected("TPDOs with 00123456h, or abort 0609 0030h")
             .found(Observation::Silence)
             .told("confirmation, but no such frame")
@@ -207,7 +207,7 @@ fn cob_id_remote(bench: &mut Bench<'_>) -> Judged {
     }
     let answers = bench.frames_of((can_id & 0x7FF) as u16, bench.timing().silence)?;
     bench.check(demand(answers.iter().any(|record| !record.frame.is_remote()), || {
-        Breach::new(TPDO.subject(), "a device that takes a COB-ID without bit 30 answers remote frames")
+        Breach::new(TPDO.subject(), "a device that accepts a COB-ID without bit 30 answers remote frames")
             .expected("a TPDO, or abort 0609 0030h")
             .found(Observation::Silence)
             .told("confirmation, but no answer")
@@ -294,6 +294,6 @@ fn empty(bench: &mut Bench<'_>) -> Judged {
     bench.command(Command::START)?;
     let sent = bench.frames_of((own.can_id() & 0x7FF) as u16, Duration::from_millis(500))?;
     bench.check(demand(sent.is_empty(), || {
-        counted("a PDO that carries nothing is not sent, in 500 ms", 0, Some(0), sent.len() as u64)
+        counted("a PDO without mapped objects is not sent, in 500 ms", 0, Some(0), sent.len() as u64)
     }))
 }

@@ -78,7 +78,7 @@ fn has_value(at: Multiplexer, right: &[u8], now: Vec<u8>, duty: &str) -> crate::
 pub(super) fn proven(bench: &mut Bench<'_>, subject: &Subject) -> Result<(), Stop> {
     send(bench, subject, &subject.other)?;
     let now = bench.read(subject.mapped.at)?;
-    has_value(subject.mapped.at, &subject.other, now, "the RPDO acts").or_inconclusive()?;
+    has_value(subject.mapped.at, &subject.other, now, "the RPDO takes effect").or_inconclusive()?;
     send(bench, subject, &subject.before)
 }
 
@@ -220,7 +220,7 @@ fn too_long(bench: &mut Bench<'_>) -> Judged {
     };
     let wrong: Vec<Record> = heard.iter().filter(is_other).cloned().collect();
     bench.check(demand(wrong.is_empty(), || {
-        let breach = Breach::new(RPDO.subject(), "an RPDO with too many bytes is reported as nothing else");
+        let breach = Breach::new(RPDO.subject(), "an RPDO with too many bytes is not reported as another error");
         breach.expected("EMCY 8220h, or none").found(observed(&wrong)).told(shown(&wrong))
     }))?;
     let duty = format!("{} has the first bytes of an RPDO that is too long", subject.mapped.at);
@@ -318,7 +318,7 @@ fn out_of_range(bench: &mut Bench<'_>) -> Judged {
     bench.listen(bench.shortly())?;
     let now = bench.read(mapped.at)?;
     bench.check(demand(now != data, || {
-        let breach = Breach::new(mapped.at, "an object does not take by RPDO what it does not take by SDO");
+        let breach = Breach::new(mapped.at, "an RPDO does not set a value that an SDO download can't write");
         breach.expected("a value within its limits").found(Observation::Value(now))
     }))
 }

@@ -30,7 +30,7 @@ fn stopped_sdo(bench: &mut Bench<'_>) -> Judged {
     }
     let late = bench.wait_for_late_response()?;
     bench.check(demand(late.is_none(), || {
-        Breach::new(DEVICE_TYPE, "a request of stopped is not answered after stopped either")
+        Breach::new(DEVICE_TYPE, "a request in stopped is not answered after the device has left stopped either")
             .expected(Observation::Silence)
             .found(Observation::named("an answer after stopped"))
             .told(late.map(|frame| frame.to_string()).unwrap_or_default())

@@ -90,7 +90,7 @@ fn judge_stored(bench: &mut Bench<'_>, scratches: &[Scratch], after: &[Outcome])
         }
     }
     bench.check(demand(any, || {
-        let breach = Breach::new(STORE, "\"save\" that is confirmed stores parameters");
+        let breach = Breach::new(STORE, "a confirmed \"save\" stores parameters");
         breach.expected("one of the parameters that were written").found(Observation::named("nothing is stored"))
     }))
 }
@@ -129,7 +129,7 @@ fn restore_wrong_signature(bench: &mut Bench<'_>) -> Judged {
 fn capability(bench: &mut Bench<'_>) -> Judged {
     let value = bench.upload(STORE)?.value()?;
     bench.check(demand(value.len() == 4 && number(&value) & !(COMMAND | AUTO) == 0, || {
-        let breach = Breach::new(STORE, "1010h:01 tells how the device stores, in an UNSIGNED32");
+        let breach = Breach::new(STORE, "1010h:01 is an UNSIGNED32 that tells how the device stores parameters");
         breach.expected("bits 0 and 1 only").found(Observation::Value(value))
     }))
 }
@@ -223,7 +223,7 @@ fn stored(scratch: &Scratch, now: &[u8]) -> Check {
 
 fn lost(scratch: &Scratch, now: &[u8]) -> Check {
     demand(now == scratch.value, || {
-        Breach::new(scratch.multiplexer, "a parameter is not stored with those of the other group")
+        Breach::new(scratch.multiplexer, "a parameter is not stored together with the other group")
             .expected(Observation::Value(scratch.value.clone()))
             .found(Observation::Value(now.to_vec()))
     })
@@ -314,7 +314,7 @@ fn defaults(bench: &mut Bench<'_>) -> Judged {
     bench.write(STORE, b"save")?;
     bench.check(demand(now != scratch.other, || {
         Breach::new(scratch.multiplexer, "a parameter has its default after \"load\" and reset node")
-            .expected("another value than was stored")
+            .expected("another value than the stored one")
             .found(Observation::Value(now))
     }))
 }
@@ -327,7 +327,7 @@ pub(super) fn restarted(bench: &mut Bench<'_>) -> Judged {
             if bench.options().allow.contains(&Touch::NodeId) && !bench.answers()? =>
         {
             regain(bench, true)?;
-            bench.note("after \"load\" and reset node it had no node-ID, and got its own again by LSS");
+            bench.note("after \"load\" and reset node it had no node-ID, and received its own again by LSS");
             Ok(())
         }
         (reset, _) => reset,

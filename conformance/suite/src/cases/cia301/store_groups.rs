@@ -81,7 +81,7 @@ fn every_capability(bench: &mut Bench<'_>) -> Judged {
         let value = bench.upload(at)?.value()?;
         bench.check(demand(value.len() == 4 && number(&value) & !known == 0, || {
             let expected = if known == COMMAND { "bit 0 only" } else { "bits 0 and 1 only" };
-            let duty = "1010h and 1011h tell what they can, in an UNSIGNED32";
+            let duty = "1010h and 1011h tell their capability in an UNSIGNED32";
             Breach::new(at, duty).expected(expected).found(Observation::Value(value))
         }))
     })
@@ -158,14 +158,14 @@ fn is_default(bench: &Bench<'_>, scratch: &Scratch, now: &[u8]) -> Check {
     });
     demand(now != scratch.other || default.as_ref() == Some(&scratch.other), || {
         Breach::new(scratch.multiplexer, "a parameter of the restored group has its default after reset node")
-            .expected("another value than was stored")
+            .expected("another value than the stored one")
             .found(Observation::Value(now.to_vec()))
     })
 }
 
 fn is_kept(scratch: &Scratch, now: &[u8]) -> Check {
     demand(now == scratch.other, || {
-        Breach::new(scratch.multiplexer, "a stored parameter is not restored with those of the other group")
+        Breach::new(scratch.multiplexer, "a stored parameter is not restored together with the other group")
             .expected(Observation::Value(scratch.other.clone()))
             .found(Observation::Value(now.to_vec()))
     })

@@ -88,12 +88,12 @@ fn judge(bench: &mut Bench<'_>, seen: &AfterReset) -> Judged {
         return Err(Stop::NotApplicable(reason));
     };
     bench.check(demand(count > 4, || {
-        Breach::new(Service::Heartbeat, "a stored heartbeat time acts after a reset, in ten periods")
+        Breach::new(Service::Heartbeat, "a stored heartbeat time takes effect after a reset, in ten periods")
             .expected(Allowed::Count { least: 5, most: None })
             .found(Observation::Count(count as u64))
     }))?;
     bench.check(demand(seen.after_loss != Some(None), || {
-        let breach = Breach::new(WATCHED, "a stored entry of 1016h watches its node after a reset");
+        let breach = Breach::new(WATCHED, "a stored entry of 1016h monitors its node after a reset");
         breach.expected("the device leaves operational").found(Observation::State(State::OPERATIONAL))
     }))
 }

@@ -234,7 +234,7 @@ fn cob_id_while_producing(bench: &mut Bench<'_>) -> Judged {
 fn cob_id(bench: &mut Bench<'_>) -> Judged {
     let own = bench.read(COB_ID)?;
     bench.check(demand(number(&own) & 0x1FFF_FFFF == u32::from(sync::CAN_ID), || {
-        let breach = Breach::new(COB_ID, "1005h names the predefined CAN-ID of SYNC").expected("80h in bits 0 to 28");
+        let breach = Breach::new(COB_ID, "1005h holds the predefined CAN-ID of SYNC").expected("80h in bits 0 to 28");
         breach.found(Observation::Value(own))
     }))
 }
@@ -267,7 +267,7 @@ fn wrong_length(bench: &mut Bench<'_>) -> Judged {
             false => format!("SYNC of {} bytes is not reported by EMCY 8240h", wrong.len()),
         });
         bench.check(demand(heard.is_empty(), || {
-            let duty = format!("SYNC of {} bytes is not obeyed where a counter is expected", wrong.len());
+            let duty = format!("a consumer that expects a counter ignores SYNC of {} bytes", wrong.len());
             counted(duty, 0, Some(0), &heard)
         }))
     })

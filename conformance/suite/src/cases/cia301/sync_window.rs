@@ -49,7 +49,7 @@ fn window(bench: &mut Bench<'_>) -> Judged {
     }
     if bench.bit_rate().is_none() {
         // On a bus without wires, frames do not delay each other.
-        let reason = Reason::new("frames take their time on the bus", "a known bit rate", "none, as a vcan has none");
+        let reason = Reason::new("the transmission time of frames is known", "a known bit rate", "none, as on a vcan");
         return Err(Stop::NotApplicable(reason));
     }
     let can_id = synchronous(bench)?;
@@ -88,8 +88,10 @@ fn free_in_between(bench: &Bench<'_>, sync: u16) -> Reason {
     let crowd = sent.get(sent.len().saturating_sub(FRAMES + 1)..).unwrap_or_default();
     let gap = crowd.iter().zip(crowd.iter().skip(1)).map(|(before, after)| after.since(*before)).max();
     match gap.filter(|&gap| gap > LONGEST_GAP) {
-        Some(gap) => Reason::new(KEEPS_UP, "one frame after the other", format!("a gap of {gap} between two frames")),
-        None => Reason::new("the bus is busy while the window is open", "no gap", "a TPDO came through at once"),
+        Some(gap) => {
+            Reason::new(KEEPS_UP, "frames without a gap between them", format!("a gap of {gap} between two frames"))
+        }
+        None => Reason::new("the bus is busy while the window is open", "no gap", "a TPDO was sent immediately"),
     }
 }
 
@@ -142,6 +144,8 @@ fn before_start(bench: &mut Bench<'_>) -> Judged {
     let after = bench.listen(Duration::from_millis(50))?;
     let [before, started, after] = [&before, &started, &after].map(|heard| count(heard, can_id));
     bench.check(demand(before == 0, || counted("a SYNC in pre-operational causes no TPDO", 0, before)))?;
-    bench.check(demand(started == 0, || counted("nor does it cause one after the start", 0, started)))?;
+    bench.check(demand(started == 0, || {
+        counted("a SYNC in pre-operational causes no TPDO after the start", 0, started)
+    }))?;
     bench.check(demand(after == 1, || counted("TPDO 1 of type 1 follows the first SYNC in operational", 1, after)))
 }

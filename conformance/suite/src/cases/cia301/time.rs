@@ -39,7 +39,7 @@ fn switch_on(bench: &mut Bench<'_>, bit: u32, what: &str) -> Result<(), Stop> {
 fn cob_id(bench: &mut Bench<'_>) -> Judged {
     let own = bench.read(COB_ID)?;
     bench.check(demand(number(&own) & 0x1FFF_FFFF == u32::from(time::CAN_ID), || {
-        let breach = Breach::new(COB_ID, "1012h names the predefined CAN-ID of TIME").expected("100h in bits 0 to 28");
+        let breach = Breach::new(COB_ID, "1012h holds the predefined CAN-ID of TIME").expected("100h in bits 0 to 28");
         breach.found(Observation::Value(own))
     }))
 }
@@ -152,7 +152,7 @@ fn high_resolution(bench: &mut Bench<'_>) -> Judged {
     let passed = bench.now().since(from).nanos() / 1_000;
     let is_near = u64::from(shown.wrapping_sub(written)).abs_diff(passed) <= 1_000 * CLOCK_ERROR_MS;
     bench.check(demand(is_near, || {
-        Breach::new(STAMP, format!("1013h goes on from {written}, {passed} µs later"))
+        Breach::new(STAMP, format!("1013h counts on from {written}, {passed} µs later"))
             .expected(Observation::Number(u64::from(written) + passed))
             .found(Observation::Number(shown.into()))
     }))

@@ -26,7 +26,7 @@ fn synchronous_as_delivered(bench: &mut Bench<'_>) -> Judged {
     bench.listen(Duration::from_millis(300))?;
     let heard = bench.heard_since(begun);
     if heard.iter().any(|record| record.frame.cob_id() == Some(sync)) {
-        return Err(Stop::Inconclusive(Reason::new("nobody sends SYNC", "none", "SYNC on the bus")));
+        return Err(Stop::Inconclusive(Reason::new("no other node sends SYNC", "none", "SYNC on the bus")));
     }
     bench.each(synchronous, |bench, (number, can_id)| {
         let sent = heard.iter().filter(|record| record.frame.cob_id() == Some(can_id)).count() as u64;

@@ -84,7 +84,9 @@ fn acyclic(bench: &mut Bench<'_>) -> Judged {
     bench.check(demand(after == 1, || {
         counted("a change causes one TPDO of type 0 with the next SYNC", 1, Some(1), after)
     }))?;
-    bench.check(demand(then == 0, || counted("and none with the SYNC after it", 0, Some(0), then)))
+    bench.check(demand(then == 0, || {
+        counted("a change causes no second TPDO of type 0 with the SYNC after that", 0, Some(0), then)
+    }))
 }
 
 /// A TPDO of transmission type 1 follows each SYNC before the next SYNC. The case reports median and maximum of the
@@ -171,7 +173,8 @@ fn beyond_count(bench: &mut Bench<'_>) -> Judged {
     };
     let [right, found] = [subject.values[0].len(), first.data().len()].map(|bytes| bytes as u64);
     bench.check(demand(found == right, || {
-        let duty = "a TPDO whose mapping has one valid entry has the bytes of that, though the second one is filled";
+        let duty =
+            "a TPDO whose mapping counts one entry has the bytes of that entry only, although the second one is set";
         Breach::new(TPDO.subject(), duty).expected(Observation::Number(right)).found(Observation::Number(found))
     }))
 }
@@ -319,7 +322,8 @@ fn remote_sampled(bench: &mut Bench<'_>) -> Judged {
     let found = heard.first().map_or(Observation::Silence, |answer| Observation::Value(answer.data().to_vec()));
     let right = Observation::Value(subject.values[0].clone());
     bench.check(demand(found == right, || {
-        let duty = "a remote frame is answered by TPDO 1 of type 252 with the value of the last SYNC, not of now";
+        let duty =
+            "a remote frame is answered by TPDO 1 of type 252 with the value at the last SYNC, not the current one";
         Breach::new(TPDO.subject(), duty).expected(right).found(found)
     }))
 }
@@ -356,7 +360,7 @@ fn remote_forbidden(bench: &mut Bench<'_>) -> Judged {
     operational(bench)?;
     let heard = remote(bench, &subject)?;
     bench.check(demand(heard.is_empty(), || {
-        counted("a remote frame is not answered where bit 30 forbids it", 0, Some(0), heard.len())
+        counted("a remote frame is not answered while bit 30 forbids it", 0, Some(0), heard.len())
     }))
 }
 

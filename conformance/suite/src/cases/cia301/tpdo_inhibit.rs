@@ -45,7 +45,7 @@ fn once(bench: &mut Bench<'_>) -> Judged {
     let subject = inhibited(bench)?;
     let before = bench.frames_of(subject.can_id, INHIBIT.times(4))?;
     if !before.is_empty() {
-        let reason = Reason::new("TPDO 1 is sent by changes alone", "silence without one", "a TPDO");
+        let reason = Reason::new("only changes send TPDO 1", "silence without a change", "a TPDO");
         return Err(Stop::NotApplicable(reason));
     }
     let [first, other] = &subject.values;

@@ -66,7 +66,11 @@ fn remote(bench: &mut Bench<'_>) -> Judged {
         }))
     })?;
     if asked == 0 {
-        let reason = Reason::new("a TPDO can be asked for", "bit 30 of 180xh:01 is 0", "none that is quiet by itself");
+        let reason = Reason::new(
+            "a TPDO allows remote frames",
+            "bit 30 of 180xh:01 is 0",
+            "none that is silent without a remote frame",
+        );
         return Err(Stop::NotApplicable(reason));
     }
     Ok(())

@@ -18,7 +18,7 @@ fn stamp(bench: &mut Bench<'_>) -> Judged {
     for (at, value) in [DATE, TIME].into_iter().zip(STAMP) {
         bench.download(at, &value)?.expect_confirmation()?;
     }
-    holds(bench, STAMP, "1020h holds what was written")
+    holds(bench, STAMP, "1020h holds the written value")
 }
 
 fn holds(bench: &mut Bench<'_>, expected: [[u8; 4]; 2], duty: &str) -> Judged {

@@ -51,7 +51,7 @@ fn number_of_pdos(bench: &mut Bench<'_>) -> Judged {
     };
     let there = count(0x1400, 0x15FF) << 16 | count(0x1800, 0x19FF);
     bench.check(demand(there == all, || {
-        let breach = Breach::new(PDOS, "1004h:00 counts the PDOs that there are");
+        let breach = Breach::new(PDOS, "1004h:00 counts the PDOs of the device");
         breach.expected(format!("{there:08X}h")).found(found)
     }))
 }

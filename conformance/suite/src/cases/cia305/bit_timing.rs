@@ -79,7 +79,7 @@ fn activate(bench: &mut Bench<'_>) -> Judged {
     let answer = exchange(bench, Request::ConfigureBitTiming { table: 0, index })?;
     if matches!(answer, Some(Response::Configured { command: ConfigureCommand::BitTiming, error: 1, .. })) {
         wait(bench)?;
-        let found = "error code 1: it does not support the bit rate that it has";
+        let found = "error code 1: it does not support its current bit rate";
         return Err(Stop::NotApplicable(Reason::new("the bit rate can be set", "error code 0", found)));
     }
     expect_error("the bit timing in use", ConfigureCommand::BitTiming, &[0], answer).or_inconclusive()?;
@@ -98,7 +98,7 @@ fn activate(bench: &mut Bench<'_>) -> Judged {
     }))?;
     let answers = bench.answers()?;
     bench.check(demand(answers, || {
-        let breach = breach("after activate bit timing the device works on");
+        let breach = breach("after activate bit timing the device still works");
         breach.expected("an SDO response").found(Observation::Silence)
     }))
 }

@@ -43,7 +43,7 @@ fn several(bench: &mut Bench<'_>) -> Judged {
         wait(bench)?;
         bench.wait_for_boot_up()?;
         let answer = tell(bench, Request::Fastscan { id: 0, bit_check: RESET, sub: 0, next: 0 })?;
-        bench.check(expect_silence("the begin of Fastscan by a slave that got its node-ID", answer))
+        bench.check(expect_silence("the begin of Fastscan by a slave that has received its node-ID", answer))
     })
 }
 

@@ -104,7 +104,7 @@ fn wrong_bit(bench: &mut Bench<'_>) -> Judged {
         let answer = scan(bench, address[0] & 0x8000_0000, 31, 0, 0)?;
         bench.check(expect_match("the right bit after it", answer))?;
         let answer = scan(bench, (address[0] & 0xC000_0000) ^ 0x8000_0000, 30, 0, 0)?;
-        bench.check(expect_silence("a Fastscan with another bit above the one that is looked at", answer))
+        bench.check(expect_silence("a Fastscan with another bit above the checked bit", answer))
     })
 }
 

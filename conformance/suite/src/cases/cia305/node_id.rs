@@ -21,7 +21,7 @@ pub(super) const RESTART: Duration = Duration::from_millis(500);
 
 /// A node-ID that nobody uses.
 pub(super) fn vacant(bench: &Bench<'_>) -> Result<u8, Stop> {
-    let none = || Stop::NotApplicable(Reason::new("a node-ID beside that of the device is free", "one", "none"));
+    let none = || Stop::NotApplicable(Reason::new("a node-ID next to that of the device is free", "one", "none"));
     bench.vacant_neighbour().ok_or_else(none)
 }
 
@@ -177,7 +177,7 @@ fn inquired_pending(bench: &mut Bench<'_>) -> Judged {
     let own = bench.node().raw();
     let is_own = given.is_some_and(|given| given == Response::NodeId(own));
     bench.check(demand(is_own, || {
-        breach("the node-ID in use is given while another one is pending")
+        breach("the inquiry returns the node-ID in use while another one is pending")
             .expected(Observation::Number(own.into()))
             .found(observed(given))
             .told(shown(given))

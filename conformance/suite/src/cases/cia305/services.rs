@@ -52,7 +52,7 @@ fn inquiry(bench: &mut Bench<'_>) -> Judged {
     if answers.iter().all(|(_, _, answer)| answer.is_none()) {
         let found = "in configuration it answers none of 5Ah to 5Dh";
         return Err(Stop::NotApplicable(Reason::new(
-            "the slave has the inquiries of its address",
+            "the slave supports the inquiries of its address",
             "5Ah to 5Dh",
             found,
         )));
@@ -136,7 +136,7 @@ fn expect_form(request: Request, frame: &Frame) -> Check {
     let is_clean =
         response.is_some_and(|response| response.to_frame(lss::SLAVE_CAN_ID) == *frame && !response.says_too_much());
     demand(is_clean, || {
-        let breach = breach(format!("the response to \"{request}\" has eight bytes, and 0 where nothing is said"));
+        let breach = breach(format!("the response to \"{request}\" has eight bytes, and unused bytes are 0"));
         let breach = breach.expected("eight bytes, the unused ones 0").found(Observation::Frame(*frame));
         breach.told(format!("{frame}: {}", shown(response)))
     })

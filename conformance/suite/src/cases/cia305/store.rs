@@ -14,7 +14,7 @@ fn store(bench: &mut Bench<'_>) -> Result<(), Stop> {
     bench.listen(bench.timing().silence)?;
     match answer {
         Some(Response::Configured { command: ConfigureCommand::Store, error: 1, .. }) => {
-            let duty = "the device stores what LSS configures";
+            let duty = "the device can store its LSS configuration";
             Err(Stop::NotApplicable(Reason::new(duty, "error code 0", "error code 1: it does not support storing")))
         }
         // Another case judges a missing confirmation.

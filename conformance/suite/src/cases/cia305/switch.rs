@@ -45,7 +45,7 @@ fn reserved_mode(bench: &mut Bench<'_>) -> Judged {
 fn right(bench: &mut Bench<'_>) -> Judged {
     let address = address(bench)?;
     let heard = select(bench, &parts(address), bench.timing().lss)?;
-    let duty = "the last part of the address, and no other, is answered".to_owned();
+    let duty = "only the last part of the address is answered".to_owned();
     bench.check(expect_heard(duty, Some(Response::Switched), &heard))?;
     expect_configuration(bench, "switch state selective")?;
     wait(bench)
@@ -122,7 +122,7 @@ fn interleaved(bench: &mut Bench<'_>) -> Judged {
             mixed.push((Part::VendorId, value ^ 0x55));
         }
     }
-    unselected(bench, &mixed, "an address with another one in between")
+    unselected(bench, &mixed, "an address interleaved with another address")
 }
 
 /// In configuration the slave does not answer switch state selective, which has no effect.

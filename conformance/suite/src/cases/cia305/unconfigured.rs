@@ -31,7 +31,7 @@ pub(super) fn unconfigured(bench: &mut Bench<'_>, test: impl FnOnce(&mut Bench<'
     let judged = match taken && is_without(bench)? {
         true => test(bench, address),
         false => Err(Stop::NotApplicable(Reason::new(
-            "the node-ID can be taken away by LSS",
+            "LSS can remove the node-ID",
             "a device without node-ID",
             "it keeps its node-ID",
         ))),
@@ -112,7 +112,7 @@ fn boots(bench: &mut Bench<'_>) -> Judged {
         bench.send(&Request::SwitchGlobal { mode: 0 }.to_frame(lss::MASTER_CAN_ID))?;
         let boot_up = bench.wait_for_boot_up()?;
         bench.check(demand(boot_up.is_some(), || {
-            started_elsewhere("a device that had no node-ID boots with the one that it got", own, None)
+            started_elsewhere("a device without node-ID starts with the node-ID that it receives", own, None)
         }))
     })
 }
@@ -136,7 +136,7 @@ fn told_again(bench: &mut Bench<'_>) -> Judged {
         let is_boot_up = |record: &&Record| record.frame.cob_id() == Some(id) && record.data() == [0];
         let early = heard.iter().find(is_boot_up).map(|record| record.frame);
         bench.check(early.map_or(Ok(()), |frame| {
-            let breach = breach("a device without node-ID that is told again to go to configuration does not boot");
+            let breach = breach("a device without node-ID that is switched to configuration again does not start");
             Err(Box::new(breach.expected(Observation::Silence).found(Observation::Frame(frame))))
         }))?;
         expect_configuration(bench, "switch state global to configuration, for the second time")

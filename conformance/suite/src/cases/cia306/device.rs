@@ -66,7 +66,7 @@ fn undescribed(bench: &mut Bench<'_>) -> Judged {
     if more > 0 {
         let breach = Breach::new(Subject::Device, "every object of the device is described");
         let breach =
-            breach.expected("no more than these").found(Observation::named("more objects that nobody described"));
+            breach.expected("no more than these").found(Observation::named("more objects without description"));
         bench.check(Err(Box::new(breach.told(format!("{more} more")))))?;
     }
     Ok(())

@@ -153,7 +153,7 @@ fn numbers(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "306/file/counts", clause = "CiA 306", confidence = Unknown, level = Must, needs = [Description],
        catches = [EdsSubNumberWrong, EdsPdoCountWrong])]
 fn counts(bench: &mut Bench<'_>) -> Judged {
-    sound(bench, Area::Counts, "what the description counts is there")
+    sound(bench, Area::Counts, "the counts in the description are correct")
 }
 
 /// The information about the description itself and about the whole device has the format of CiA 306.
@@ -174,14 +174,14 @@ fn lists(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "306/objects/entries", clause = "CiA 306 4.6.3.2", confidence = Attested, level = Must,
        needs = [Description], catches = [EdsAccessTypeUnknown, EdsVendorNumberDiffers])]
 fn entries(bench: &mut Bench<'_>) -> Judged {
-    sound(bench, Area::Entries, "every object is described by what the standards define")
+    sound(bench, Area::Entries, "object types, data types and access types are defined by the standards")
 }
 
 /// Defaults lie within their limits, and limits within their data type.
 #[case(id = "306/objects/limits", clause = "CiA 306 4.6.3.2", confidence = Attested, level = Must,
        needs = [Description], catches = [EdsDefaultBeyondLimit])]
 fn limits(bench: &mut Bench<'_>) -> Judged {
-    sound(bench, Area::Limits, "defaults and limits go together")
+    sound(bench, Area::Limits, "defaults lie within their limits, and limits within their data type")
 }
 
 /// The default mapping is valid: its objects exist, can be mapped in that direction, have the given length and fit into
@@ -189,14 +189,14 @@ fn limits(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "306/objects/mapping", clause = "CiA 306", confidence = Unknown, level = Must, needs = [Description],
        catches = [EdsMappingWrong])]
 fn mapping(bench: &mut Bench<'_>) -> Judged {
-    sound(bench, Area::Mapping, "the described mapping can work")
+    sound(bench, Area::Mapping, "the described mapping is valid")
 }
 
 /// No default COB-ID is restricted or used twice.
 #[case(id = "306/objects/cob-ids", clause = "CiA 306", confidence = Unknown, level = Must, needs = [Description],
        catches = [EdsCobIdTwice])]
 fn cob_ids(bench: &mut Bench<'_>) -> Judged {
-    sound(bench, Area::CobIds, "every default COB-ID is allowed and its own")
+    sound(bench, Area::CobIds, "every default COB-ID is allowed and unique")
 }
 
 /// Objects that CiA 301 or the device profile defines have the data type and the access of the standard.

@@ -43,7 +43,7 @@ fn invalid_node_id(bench: &mut Bench<'_>) -> Judged {
        needs = [Alone, Lmt], touches = [NodeId], catches = [LmtNodeIdAtOnce])]
 fn not_at_once(bench: &mut Bench<'_>) -> Judged {
     let Some(node_id) = bench.vacant_neighbour() else {
-        let reason = Reason::new("a node-ID beside that of the device is free", "one", "none");
+        let reason = Reason::new("a node-ID next to that of the device is free", "one", "none");
         return Err(Stop::NotApplicable(reason));
     };
     in_configuration(bench, |bench| {
@@ -54,7 +54,7 @@ fn not_at_once(bench: &mut Bench<'_>) -> Judged {
         let answers = bench.answers()?;
         configure_own(bench)?;
         bench.listen(bench.timing().silence)?;
-        let duty = format!("node-ID {node_id} is taken");
+        let duty = format!("node-ID {node_id} is accepted");
         bench.check(expect_error(duty, "error code 0", ConfigureCommand::NodeId, response, |error| error == 0))?;
         bench.check(demand(answers, || {
             let breach = breach("the old node-ID is in use until power-off");
@@ -83,7 +83,7 @@ fn table(bench: &mut Bench<'_>) -> Judged {
         bench.each(rates, |bench, index| {
             let response = exchange(bench, Request::ConfigureBitTiming { table: 0, index })?;
             let rate = Lmt::bit_rate(index).map_or(0, |rate| rate / 1000);
-            let duty = format!("row {index}, {rate} kbit/s, is taken");
+            let duty = format!("row {index}, {rate} kbit/s, is accepted");
             bench.check(expect_error(duty, "error code 0", ConfigureCommand::BitTiming, response, |error| error == 0))
         })?;
         configure_own_rate(bench)
@@ -150,7 +150,7 @@ fn store(bench: &mut Bench<'_>) -> Judged {
     in_configuration(bench, |bench| {
         configure_own(bench)?;
         let response = exchange(bench, Request::StoreConfiguration)?;
-        bench.note("17h stored the node-ID that the device has: one more write of its non-volatile memory");
+        bench.note("17h stored the current node-ID: one more write of the device's non-volatile memory");
         let expected = "error code 0, or 1 where nothing can be stored";
         bench.check(expect_error(
             "store configuration is answered",

@@ -16,9 +16,9 @@ fn modes(bench: &mut Bench<'_>) -> Judged {
         expect_silence(bench, Request::Inquire { part }, "in operation")?;
     }
     expect_silence(bench, Request::SwitchGlobal { mode: 1 }, "in operation")?;
-    expect_configuring(bench, true, "mode 1 leads into configuration")?;
+    expect_configuring(bench, true, "mode 1 switches to configuration")?;
     expect_silence(bench, Request::SwitchGlobal { mode: 0 }, "in configuration")?;
-    expect_configuring(bench, false, "mode 0 leads back to operation")
+    expect_configuring(bench, false, "mode 0 switches back to operation")
 }
 
 /// Modes other than 0 and 1 are reserved and have no effect.
@@ -27,7 +27,7 @@ fn modes(bench: &mut Bench<'_>) -> Judged {
 fn reserved(bench: &mut Bench<'_>) -> Judged {
     bench.each([2, 3, 0x7F, 0xFF], |bench, mode| {
         tell(bench, Request::SwitchGlobal { mode })?;
-        expect_configuring(bench, false, format!("the reserved mode {mode} changes nothing"))?;
+        expect_configuring(bench, false, format!("the reserved mode {mode} has no effect"))?;
         tell(bench, Request::SwitchGlobal { mode: 0 }).map(|_| ())
     })
 }
@@ -45,7 +45,7 @@ fn select(bench: &mut Bench<'_>, address: [Seven; 3]) -> Result<bool, Stop> {
 /// Requires that the slave is in configuration after its own address.
 fn expect_selected(selected: bool) -> Check {
     demand(selected, || {
-        let breach = breach("the own address leads into configuration");
+        let breach = breach("its own address switches the slave to configuration");
         breach.expected("an answer to an inquiry").found(Observation::Silence)
     })
 }
@@ -73,7 +73,8 @@ fn unselected(bench: &mut Bench<'_>, parts: &[Part]) -> Judged {
         }
         let selected = select(bench, wrong)?;
         bench.check(demand(!selected, || {
-            let duty = format!("the address of a slave with another {} leads nobody into configuration", part.name());
+            let duty =
+                format!("the address of a slave with another {} switches no slave to configuration", part.name());
             breach(duty).expected(Observation::Silence).found(Observation::named("an answer to an inquiry"))
         }))
     })?;

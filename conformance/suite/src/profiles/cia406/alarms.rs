@@ -53,8 +53,8 @@ fn supported_warnings(bench: &mut Bench<'_>) -> Judged {
 fn within(bench: &mut Bench<'_>, shown: Multiplexer, supported: Multiplexer) -> Judged {
     let (bits, known) = (bench.read_number(shown)?, bench.read_number(supported)?);
     bench.check(demand(bits & !known == 0, || {
-        let duty = format!("{shown} has no bit that {supported} does not support");
-        let breach = Breach::new(shown, duty).expected(format!("no bit beside {known:04X}h"));
+        let duty = format!("{shown} has only bits that {supported} supports");
+        let breach = Breach::new(shown, duty).expected(format!("only bits of {known:04X}h"));
         breach.found(number(bits & !known)).told(format!("{bits:04X}h"))
     }))
 }
@@ -117,7 +117,7 @@ fn temperature(bench: &mut Bench<'_>) -> Judged {
         Breach::new(WARNINGS, duty).expected("bit 14").found(number(warnings)).told(format!("{warnings:04X}h"))
     }))?;
     bench.check(demand(register & 0x08 != 0, || {
-        let duty = format!("1001h reports it with EMCY {DEVICE_TEMPERATURE}");
+        let duty = format!("1001h shows the error of EMCY {DEVICE_TEMPERATURE}");
         let breach = Breach::new(ERROR_REGISTER, duty).expected("bit 3 of 1001h").found(number(register));
         breach.told(format!("{first:02X}h, then {register:02X}h"))
     }))?;

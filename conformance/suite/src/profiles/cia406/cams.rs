@@ -72,7 +72,7 @@ fn limits(bench: &mut Bench<'_>) -> Judged {
     expect(bench, false, "that lies below the position")?;
     set(bench, position - MARGIN, position + MARGIN)?;
     bench.write(ENABLE, &[0])?;
-    expect(bench, false, "that is not enabled")
+    expect(bench, false, "that is disabled")
 }
 
 /// The polarity inverts the state of a cam.
@@ -82,9 +82,9 @@ fn polarity(bench: &mut Bench<'_>) -> Judged {
     let position = prepare(bench)?;
     set(bench, position - MARGIN, position + MARGIN)?;
     bench.write(POLARITY, &[FIRST as u8])?;
-    expect(bench, false, "with turned polarity whose limits lie around the position")?;
+    expect(bench, false, "with inverted polarity whose limits lie around the position")?;
     set(bench, position + MARGIN, position + 2 * MARGIN)?;
-    expect(bench, true, "with turned polarity that lies above the position")
+    expect(bench, true, "with inverted polarity that lies above the position")
 }
 
 /// The hysteresis extends an active cam: the cam ends only when the position exceeds its limit by more than the

@@ -36,7 +36,7 @@ fn resolution(bench: &mut Bench<'_>) -> Judged {
     let steps = u64::from(bench.read_number(SINGLE_TURN)?) * u64::from(bench.read_number(REVOLUTIONS)?);
     if high == i32::MAX {
         return bench.check(demand(steps > u64::from(i32::MAX as u32), || {
-            let duty = "a highest position of 7FFFFFFFh stands for a range that 650Ah has no room for";
+            let duty = "a highest position of 7FFFFFFFh represents a larger range";
             Breach::new(HIGHEST, duty).expected("6501h * 6502h of 2147483648 or more").found(number(steps))
         }));
     }
@@ -45,7 +45,7 @@ fn resolution(bench: &mut Bench<'_>) -> Judged {
     }
     let named = i64::from(high) - i64::from(low) + 1;
     bench.check(demand(i64::try_from(steps).is_ok_and(|steps| steps == named), || {
-        let duty = "650Ah:02 to 650Ah:03 are as many positions as 6501h * 6502h";
+        let duty = "the number of positions from 650Ah:02 to 650Ah:03 is 6501h * 6502h";
         let breach = Breach::new(HIGHEST, duty).expected(number(steps));
         breach.found(Observation::Value(high.to_le_bytes().to_vec())).told(named.to_string())
     }))
@@ -64,7 +64,7 @@ fn high_precision(bench: &mut Bench<'_>) -> Judged {
     let wide = bytes.iter().take(8).rev().fold(0_u64, |value, &byte| value << 8 | u64::from(byte));
     let fits = |shift: u32| u32::try_from(wide >> shift).is_ok_and(|found| is_near(found, position, range));
     bench.check(demand((0..=32).any(fits), || {
-        let duty = "6008h shows the place that 6004h shows";
+        let duty = "6008h shows the same place as 6004h";
         let breach = Breach::new(HIGH_PRECISION, duty);
         breach.expected(format!("{position}, or that times a power of two")).found(Observation::Value(bytes.clone()))
     }))
@@ -102,7 +102,7 @@ fn second_synchronous(bench: &mut Bench<'_>) -> Judged {
     };
     let found = crate::bench::sdo::number(first.data());
     bench.check(demand(is_near(found, position, u32::MAX), || {
-        let breach = Breach::new(TPDO_2, "TPDO 2 carries the position of now");
+        let breach = Breach::new(TPDO_2, "TPDO 2 carries the current position");
         breach.expected(number(position)).found(number(found))
     }))
 }
@@ -123,7 +123,7 @@ fn scaling_changed(bench: &mut Bench<'_>) -> Judged {
     let offset = bench.read_number(OFFSET)? as i32;
     bench.note(format!("preset to {set}; with half the range the position is {position}, the offset {offset}"));
     demand(position < range / 2, || {
-        let breach = Breach::new(POSITION, "with a new range the position lies in it");
+        let breach = Breach::new(POSITION, "the position lies within a new range");
         breach.expected(format!("below {}", range / 2)).found(number(position))
     })?;
     let found = without_offset(bench, position, range / 2)?;
@@ -147,8 +147,8 @@ fn without_offset(bench: &mut Bench<'_>, position: u32, range: u32) -> Result<u3
 fn moving(bench: &mut Bench<'_>) -> Judged {
     use super::position::PRESET;
     if super::needs::keeps_presets(bench) {
-        let actual = "it stores them at once, as its manual says";
-        let reason = Reason::new("a reset takes the preset back", "an encoder that does not store presets", actual);
+        let actual = "it stores presets immediately, as its manual says";
+        let reason = Reason::new("a reset reverts the preset", "an encoder that does not store presets", actual);
         return Err(Stop::NotApplicable(reason));
     }
     let range = super::preset::range_now(bench)?;
@@ -176,8 +176,8 @@ fn moving(bench: &mut Bench<'_>) -> Judged {
     }
     let stands = positions.windows(10).any(|ten| ten.iter().all(|position| Some(position) == ten.first()));
     bench.check(demand(!stands, || {
-        let breach = Breach::new(POSITION, "after a preset the position goes on counting");
-        breach.expected("another one in 50 ms").found(Observation::named("always the same"))
+        let breach = Breach::new(POSITION, "after a preset the position continues to count");
+        breach.expected("another position in 50 ms").found(Observation::named("always the same"))
     }))
 }
 

@@ -117,7 +117,7 @@ fn direction(bench: &mut Bench<'_>) -> Judged {
     bench.write(DIRECTION, &[0])?;
     let other = angle(bench)?;
     bench.check(demand((clockwise + other).abs() <= TREMBLE, || {
-        let breach = Breach::new(ANGLE, "3003h turns the direction of the angle").expected(degrees(-clockwise));
+        let breach = Breach::new(ANGLE, "3003h reverses the direction of the angle").expected(degrees(-clockwise));
         breach.found(degrees(other))
     }))
 }
@@ -178,6 +178,6 @@ fn zero_point(bench: &mut Bench<'_>) -> Judged {
     bench.with_leave_to_move(|bench| bench.write(ZERO_POINT, &[0]))?;
     let zero = zero?;
     bench.check(demand(zero.abs() <= TREMBLE, || {
-        Breach::new(ANGLE, "3010h = 1 makes the angle zero").expected(degrees(0)).found(degrees(zero))
+        Breach::new(ANGLE, "3010h = 1 sets the angle to zero").expected(degrees(0)).found(degrees(zero))
     }))
 }

@@ -25,7 +25,7 @@ fn reserved_bits(bench: &mut Bench<'_>) -> Judged {
     }
     let after = bench.read_number(OPERATING_PARAMETERS)?;
     bench.check(demand(after & RESERVED == 0, || {
-        let breach = Breach::new(OPERATING_PARAMETERS, "6000h does not take reserved bits over");
+        let breach = Breach::new(OPERATING_PARAMETERS, "6000h does not accept reserved bits");
         breach.expected("bits 4 to 11 are 0").found(number(after & RESERVED)).told(format!("{after:04X}h"))
     }))
 }
@@ -72,6 +72,6 @@ fn own_value(bench: &mut Bench<'_>) -> Judged {
         if locked || of_the_moment {
             return Ok(());
         }
-        bench.check(attempt.under("with the value that it has").refused(Situation::Confirmed))
+        bench.check(attempt.under("with its current value").refused(Situation::Confirmed))
     })
 }

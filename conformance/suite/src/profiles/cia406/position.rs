@@ -109,12 +109,15 @@ fn code_sequence(bench: &mut Bench<'_>) -> Judged {
     let after = position_at_rest(bench)?;
     // At 0 and in the middle both directions show the same.
     if is_near(before, (range - before) % range, range) {
-        let reason =
-            Reason::new("the shaft stands where the directions differ", "not 0 or half the range", format!("{before}"));
+        let reason = Reason::new(
+            "the shaft is at a place where the two directions give different positions",
+            "not 0 or half the range",
+            format!("{before}"),
+        );
         return Err(Stop::Inconclusive(reason));
     }
     bench.check(demand(!is_near(before, after, range), || {
-        let duty = "with the code sequence turned the same shaft shows another position";
+        let duty = "with reversed code sequence the same place of the shaft has another position";
         Breach::new(POSITION, duty).expected(format!("not {before}")).found(number(after))
     }))
 }

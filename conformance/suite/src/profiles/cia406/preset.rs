@@ -66,7 +66,7 @@ fn at_once(bench: &mut Bench<'_>) -> Judged {
     for _ in 0..10 {
         let position = bench.read_number(POSITION)?;
         demand(is_near(position, wanted, range), || {
-            let breach = Breach::new(POSITION, "after a preset 6004h has its value at once");
+            let breach = Breach::new(POSITION, "after a preset 6004h has its value immediately");
             breach.expected(number(wanted)).found(number(position))
         })?;
     }
@@ -97,7 +97,7 @@ fn tpdo(bench: &mut Bench<'_>) -> Judged {
     };
     let position = crate::bench::sdo::number(first.data());
     bench.check(demand(is_near(position, wanted, range), || {
-        let breach = Breach::new(TPDO_1, "the TPDO after a preset carries it");
+        let breach = Breach::new(TPDO_1, "the first TPDO after a preset carries the preset");
         breach.expected(number(wanted)).found(number(position))
     }))
 }
@@ -113,7 +113,7 @@ fn volatile(bench: &mut Bench<'_>) -> Judged {
     bench.reset(Command::RESET_NODE)?;
     let position = position_at_rest(bench)?;
     bench.check(demand(is_near(position, before, range), || {
-        let duty = "a preset that was not stored is gone after reset node";
+        let duty = "a preset that was not stored is lost at reset node";
         Breach::new(POSITION, duty).expected(number(before)).found(number(position))
     }))
 }
@@ -128,7 +128,7 @@ fn stored(bench: &mut Bench<'_>) -> Judged {
     bench.reset(Command::RESET_NODE)?;
     let position = position_at_rest(bench)?;
     bench.check(demand(is_near(position, wanted, range), || {
-        let duty = "a preset that was stored is there after reset node";
+        let duty = "a stored preset is restored after reset node";
         Breach::new(POSITION, duty).expected(number(wanted)).found(number(position))
     }))
 }

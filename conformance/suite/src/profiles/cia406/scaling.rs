@@ -75,8 +75,9 @@ fn proportional(bench: &mut Bench<'_>) -> Judged {
         let position = position_at_rest(bench)?;
         let expected = u32::try_from(physical * u64::from(units) / steps % u64::from(range)).unwrap_or(0);
         bench.check(demand(is_near(position, expected, range), || {
-            let duty =
-                format!("{physical} steps are {expected} of {units} units per revolution, of which are {steps} steps");
+            let duty = format!(
+                "with {units} units and {steps} steps per revolution, {physical} steps are position {expected}"
+            );
             let stays = u64::from(position).abs_diff(physical) <= 1;
             let found = if stays { Observation::named("the position without scaling") } else { number(position) };
             Breach::new(POSITION, duty).expected(number(expected)).found(found).told(position.to_string())
@@ -94,7 +95,7 @@ fn own_values(bench: &mut Bench<'_>) -> Judged {
             return Ok(());
         }
         let own = bench.read(at)?;
-        let attempt = bench.download(at, &own)?.under("with the value that it has");
+        let attempt = bench.download(at, &own)?.under("with its current value");
         bench.check(attempt.refused(Situation::Confirmed))
     })
 }
@@ -136,7 +137,7 @@ fn smaller_range(bench: &mut Bench<'_>, range: u32) -> Judged {
     let parts = [2, 4].map(|part| range / part).into_iter().filter(|&part| part >= units.saturating_mul(2));
     let taken: Vec<u32> = parts.filter(|&part| bench.is_within_limits(RANGE, part.into())).collect();
     bench.each(taken, |bench, part| {
-        let attempt = bench.download(RANGE, &part.to_le_bytes())?.under("with a part of the range that it has");
+        let attempt = bench.download(RANGE, &part.to_le_bytes())?.under("with a part of its current range");
         bench.check(attempt.refused(Situation::Confirmed))
     })
 }
@@ -196,11 +197,9 @@ fn mirror(bench: &mut Bench<'_>, range: u32) -> Judged {
     let [up, down] = seen;
     let sum = u32::try_from((up + down).rem_euclid(range.into())).unwrap_or(u32::MAX);
     bench.check(demand(is_near(sum, 0, range), || {
-        let duty = format!("with 6002h = {range} both code sequences mirror each other");
+        let duty = format!("the positions in both code sequences add up to 6002h = {range}");
         let expected = (i64::from(range) - up).rem_euclid(range.into());
         let breach = Breach::new(POSITION, duty).expected(format!("{up} and {expected}"));
-        breach
-            .found(Observation::named("code sequences that do not mirror each other"))
-            .told(format!("{up} and {down}"))
+        breach.found(Observation::named("positions that do not add up to 6002h")).told(format!("{up} and {down}"))
     }))
 }

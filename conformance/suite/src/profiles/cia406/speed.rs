@@ -148,7 +148,7 @@ fn format(bench: &mut Bench<'_>) -> Judged {
     bench.listen(Duration::from_millis(500))?;
     let fast = signed(bench, SPEED)?;
     bench.check(demand(fast.abs() > slow.abs() + 2, || {
-        let duty = "in units per second 6030h is 256/60 of that in revolutions per minute, or more";
+        let duty = "6030h in units per second is 256/60 of 6030h in revolutions per minute, or more";
         let breach = Breach::new(SPEED, duty).expected(format!("{}", slow * 256 / 60));
         breach.found(shown(fast)).told(fast.to_string())
     }))

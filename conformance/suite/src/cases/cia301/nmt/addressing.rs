@@ -27,7 +27,7 @@ fn undisturbed(bench: &mut Bench<'_>, by: &str) -> Judged {
 fn other_node(bench: &mut Bench<'_>) -> Judged {
     bench.look_for_others()?;
     let Some(other) = bench.vacant_neighbour() else {
-        let reason = Reason::new("a node-ID beside that of the device is free", "no node", "nodes on both sides");
+        let reason = Reason::new("a node-ID next to that of the device is free", "no node", "nodes on both sides");
         return Err(Stop::NotApplicable(reason));
     };
     bench.each(Command::ALL, |bench, command| {
@@ -122,7 +122,7 @@ fn long_frame(bench: &mut Bench<'_>) -> Judged {
         bench.command(Command::ENTER_PRE_OPERATIONAL)?;
         let allowed = [State::PRE_OPERATIONAL, State::OPERATIONAL];
         demand(state.is_some_and(|state| allowed.contains(&state)), || {
-            let duty = format!("an NMT frame of {length} bytes does what its first two say, or nothing");
+            let duty = format!("an NMT frame of {length} bytes has the effect of its first two bytes, or none");
             let found = state.map_or(Observation::Silence, Observation::State);
             let allowed = Allowed::OneOf(allowed.map(Observation::State).to_vec());
             Breach::new(Subject::Device, duty).expected(allowed).found(found)

@@ -46,7 +46,7 @@ fn power_on_value(bench: &mut Bench<'_>, command: Command) -> Judged {
         }
     }
     if changed.is_empty() {
-        let reason = Reason::new("a communication parameter takes another value", "a confirmation", "none");
+        let reason = Reason::new("a communication parameter accepts another value", "a confirmation", "none");
         return Err(Stop::Inconclusive(reason));
     }
     bench.reset(command)?;
@@ -86,7 +86,7 @@ fn has(scratch: &Scratch, duty: String, right: &[u8], now: Vec<u8>) -> crate::ve
 fn application(bench: &mut Bench<'_>) -> Judged {
     let Some(scratch) = bench.application_scratch()? else { return Ok(()) };
     let now = changed_and_reset(bench, &scratch, Command::RESET_COMMUNICATION)?;
-    let duty = format!("{} keeps its value over reset communication", scratch.multiplexer);
+    let duty = format!("{} keeps its value after reset communication", scratch.multiplexer);
     bench.check(has(&scratch, duty, &scratch.other, now))
 }
 

@@ -68,14 +68,18 @@ fn made_good(bench: &mut Bench<'_>, mischief: Mischief, confirmed: &[u8]) -> Jud
     let manner = DownloadManner { mischief, ..DownloadManner::right(&value) };
     let (attempt, client) = bench.block_download(multiplexer, &value, manner)?;
     if client.block_size <= last {
-        let reason = Reason::new("the block takes all segments", "one more than before", client.block_size.to_string());
+        let reason = Reason::new(
+            "the block accepts all segments",
+            "one segment more than before",
+            client.block_size.to_string(),
+        );
         return Err(Stop::Inconclusive(reason));
     }
     attempt.expect_confirmation()?;
     let first = client.confirmations.first().copied().unwrap_or_default();
     bench.check(demand(confirmed.contains(&first), || {
         let expected = confirmed.iter().map(|&segment| Observation::Number(u64::from(segment))).collect();
-        Breach::new(multiplexer, "the server confirms the last segment that came in order")
+        Breach::new(multiplexer, "the server confirms the last segment that arrived in order")
             .expected(Allowed::OneOf(expected))
             .found(Observation::Number(u64::from(first)))
             .told(format!("segment {first}"))

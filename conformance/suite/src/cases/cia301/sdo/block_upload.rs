@@ -43,7 +43,7 @@ fn gives(bench: &mut Bench<'_>, multiplexer: Multiplexer, right: &[u8], manner: 
     }
     let value = attempt.value()?;
     bench.check(demand(value == right, || {
-        let breach = Breach::new(multiplexer, "a block upload gives what a normal upload gives");
+        let breach = Breach::new(multiplexer, "a block upload returns the same value as a normal upload");
         breach.expected(Observation::Value(right.to_vec())).found(Observation::Value(value))
     }))?;
     bench.check(demand(may_switch || !client.switched, || {
@@ -204,7 +204,8 @@ fn switch(bench: &mut Bench<'_>) -> Judged {
     let (attempt, client) = bench.block_upload(multiplexer, manner)?;
     let value = attempt.value()?;
     bench.check(demand(value == right, || {
-        let breach = Breach::new(multiplexer, "a block upload gives the value, whether it becomes a normal one or not");
+        let breach =
+            Breach::new(multiplexer, "a block upload returns the value, whether it switches to a normal upload or not");
         breach.expected(Observation::Value(right)).found(Observation::Value(value))
     }))?;
     bench.note(match client.switched {

@@ -86,7 +86,7 @@ fn padding(bench: &mut Bench<'_>) -> Judged {
         });
         bench.check(demand(dirty.is_none(), || {
             let told = dirty.map(|frame| Bytes(frame.data()).to_string()).unwrap_or_default();
-            let breach = Breach::new(multiplexer, "bytes that hold no data are 0").expected("00h in them");
+            let breach = Breach::new(multiplexer, "bytes that hold no data are 0").expected("00h in these bytes");
             breach.found(Observation::named("bytes without data are not 0")).told(told)
         }))
     })?;
@@ -118,9 +118,13 @@ fn size_not_indicated(bench: &mut Bench<'_>) -> Judged {
     bytes.iter_mut().zip(&scratch.other).for_each(|(to, from)| *to = *from);
     let multiplexer = scratch.multiplexer;
     let request = Request::InitiateDownload { multiplexer, payload: Payload::ExpeditedUnsized(bytes) };
-    let reply = bench.exchange(&request, format!("download of no stated length to {multiplexer}"))?;
+    let reply = bench.exchange(&request, format!("download without stated length to {multiplexer}"))?;
     if reply.response == Some(Response::InitiateDownload { multiplexer }) {
-        return bench.expect_value(multiplexer, &scratch.other, format!("{multiplexer} takes as many bytes as it has"));
+        return bench.expect_value(
+            multiplexer,
+            &scratch.other,
+            format!("{multiplexer} accepts a value of its own length"),
+        );
     }
     bench.check(reply.refused(Situation::TooLong))?;
     bench.expect_unchanged(multiplexer, &scratch.value)

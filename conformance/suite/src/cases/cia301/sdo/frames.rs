@@ -81,11 +81,11 @@ fn short(bench: &mut Bench<'_>) -> Judged {
        catches = [SdoOtherNodeAnswered])]
 fn other_node(bench: &mut Bench<'_>) -> Judged {
     let Some(other) = bench.vacant_neighbour() else {
-        let reason = Reason::new("a node-ID beside that of the device is free", "one", "none");
+        let reason = Reason::new("a node-ID next to that of the device is free", "one", "none");
         return Err(Stop::NotApplicable(reason));
     };
     // Silence proves something only if the server is present.
-    tried(usize::from(bench.answers()?), "an answer to a request of its own")?;
+    tried(usize::from(bench.answers()?), "an answer to its own request")?;
     let request = Request::upload(DEVICE_TYPE).to_frame(sdo::REQUEST_BASE + u16::from(other));
     let both = [sdo::RESPONSE_BASE + u16::from(other), sdo::RESPONSE_BASE + u16::from(bench.node().raw())];
     bench.drain()?;

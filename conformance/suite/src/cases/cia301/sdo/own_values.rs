@@ -82,7 +82,7 @@ fn rewrite(bench: &mut Bench<'_>, at: Multiplexer) -> Judged {
     if is_of_the_moment(&attempt) || attempt.abort().is_some() && is_in_use(bench, at, number(&value))? {
         return Ok(());
     }
-    bench.check(attempt.under("with the value that it has").refused(Situation::Confirmed))
+    bench.check(attempt.under("with its current value").refused(Situation::Confirmed))
 }
 
 /// Every communication parameter that the description calls writable accepts its current value, and a PDO can be

@@ -78,7 +78,7 @@ fn confirmation_toggle(bench: &mut Bench<'_>) -> Judged {
         let reply = bench.exchange(&segment(toggle, &[*byte], n == last)?, what)?;
         reply.expect("a confirmation with the same toggle bit", |r| *r == Response::DownloadSegment { toggle })?;
     }
-    let duty = format!("{} has the value that came byte by byte", scratch.multiplexer);
+    let duty = format!("{} has the value that was sent byte by byte", scratch.multiplexer);
     bench.expect_value(scratch.multiplexer, &scratch.other, duty)?;
     bench.expect_tidy()
 }
@@ -91,7 +91,7 @@ fn size_not_announced(bench: &mut Bench<'_>) -> Judged {
     let multiplexer = scratch.multiplexer;
     bench.write(multiplexer, &scratch.value)?;
     let request = Request::InitiateDownload { multiplexer, payload: Payload::SegmentedUnsized };
-    let reply = bench.exchange(&request, format!("segmented download of no stated size to {multiplexer}"))?;
+    let reply = bench.exchange(&request, format!("segmented download without stated size to {multiplexer}"))?;
     reply.expect("confirmation", |response| *response == Response::InitiateDownload { multiplexer })?;
     let reply = bench.exchange(&segment(false, &scratch.other, true)?, "the only download segment")?;
     reply.expect("its confirmation", |response| *response == Response::DownloadSegment { toggle: false })?;
@@ -170,7 +170,7 @@ fn segment_ends(bench: &mut Bench<'_>) -> Judged {
         attempt.expect_confirmation()?;
         bench.expect_value(multiplexer, &value, format!("{multiplexer} has the {length} bytes that were written"))
     })?;
-    tried(taken, "a length that the object takes")?;
+    tried(taken, "a length that the object accepts")?;
     bench.expect_tidy()
 }
 

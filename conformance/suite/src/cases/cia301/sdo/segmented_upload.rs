@@ -15,7 +15,7 @@ fn segmented(bench: &mut Bench<'_>) -> Judged {
     let objects = bench.long_objects(5, 8)?;
     bench.each(objects, |bench, multiplexer| {
         let value = bench.upload(multiplexer)?.value()?;
-        bench.expect_value(multiplexer, &value, format!("{multiplexer} gives the same value once more"))
+        bench.expect_value(multiplexer, &value, format!("{multiplexer} returns the same value again"))
     })?;
     bench.expect_tidy()
 }
@@ -30,7 +30,7 @@ fn over_after_end(bench: &mut Bench<'_>) -> Judged {
     let toggle = value.len().div_ceil(7) % 2 == 1;
     let reply = bench.exchange(&Request::UploadSegment { toggle }, "request for a segment after the last one")?;
     bench.check(reply.refused(Situation::UnknownCommand))?;
-    bench.expect_value(multiplexer, &value, "a new upload gives the same value")?;
+    bench.expect_value(multiplexer, &value, "a new upload returns the same value")?;
     bench.expect_tidy()
 }
 

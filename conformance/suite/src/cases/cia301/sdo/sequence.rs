@@ -45,7 +45,7 @@ fn back_to_back(bench: &mut Bench<'_>) -> Judged {
     let response_id = response_id(bench);
     let answers: Vec<Record> = heard.into_iter().filter(|record| record.frame.cob_id() == Some(response_id)).collect();
     demand(!answers.is_empty(), || {
-        Breach::new(Service::Sdo, "of two requests back to back at least one is answered")
+        Breach::new(Service::Sdo, "at least one of two back-to-back requests is answered")
             .expected("one or two answers")
     })?;
     for answer in answers {
@@ -58,13 +58,16 @@ fn back_to_back(bench: &mut Bench<'_>) -> Judged {
             _ => false,
         };
         bench.check(demand(is_right, || {
-            Breach::new(Service::Sdo, "each answer to two requests back to back names one of them and has its value")
-                .expected("the object with its own value")
-                .found(Observation::named("an answer that belongs to neither of two requests"))
-                .told(answer.frame.to_string())
+            Breach::new(
+                Service::Sdo,
+                "each answer to two back-to-back requests names the object of one of them and has its value",
+            )
+            .expected("the object with its own value")
+            .found(Observation::named("an answer that belongs to neither of two requests"))
+            .told(answer.frame.to_string())
         }))?;
     }
-    bench.expect_served("after two requests back to back")
+    bench.expect_served("after two back-to-back requests")
 }
 
 /// The CAN-ID of the server's responses.
@@ -98,7 +101,7 @@ fn wrong_in_upload(bench: &mut Bench<'_>) -> Judged {
     let reply = bench.exchange(&Request::DownloadSegment(segment), "download segment in the middle of an upload")?;
     bench.check(reply.refused(Situation::UnknownCommand))?;
     bench.expect_unchanged(name, &before)?;
-    bench.expect_served("after a command that had no place")?;
+    bench.expect_served("after a command that is not allowed in the transfer")?;
     bench.expect_tidy()
 }
 
@@ -119,12 +122,12 @@ fn wrong_in_download(bench: &mut Bench<'_>) -> Judged {
        catches = [SdoStrayBlockSilent, SdoCommandWrongCode])]
 fn stray_block_upload(bench: &mut Bench<'_>) -> Judged {
     let strays = [
-        (Request::StartBlockUpload, "start of a block upload without one"),
+        (Request::StartBlockUpload, "start of the segments of a block upload without a block upload"),
         (
             Request::ConfirmBlockUpload { sequence: 1, block_size: 127 },
             "confirmation of a block without a block upload",
         ),
-        (Request::EndBlockUpload, "end of a block upload without one"),
+        (Request::EndBlockUpload, "end of a block upload without a block upload"),
     ];
     for (request, what) in strays {
         let answer = bench.exchange(&request, what)?;
@@ -139,7 +142,7 @@ fn stray_block_upload(bench: &mut Bench<'_>) -> Judged {
        catches = [SdoStrayBlockSilent, SdoCommandWrongCode])]
 fn stray_block_download(bench: &mut Bench<'_>) -> Judged {
     let request = Request::EndBlockDownload { unused: 0, crc: 0 };
-    let reply = bench.exchange(&request, "end of a block download without one")?;
+    let reply = bench.exchange(&request, "end of a block download without a block download")?;
     bench.check(reply.refused(Situation::UnknownCommand))?;
     bench.expect_served("after block commands without a block transfer")?;
     bench.expect_tidy()

@@ -28,7 +28,7 @@ fn cob_ids(bench: &mut Bench<'_>) -> Judged {
     let node = u32::from(bench.node().raw());
     bench.each([(1, sdo::REQUEST_BASE), (2, sdo::RESPONSE_BASE)], |bench, (sub, base)| {
         let (multiplexer, right) = (Multiplexer::new(object::SDO_SERVER_PARAMETER, sub), u32::from(base) + node);
-        let duty = format!("{multiplexer} names the CAN-ID of the default channel");
+        let duty = format!("{multiplexer} holds the CAN-ID of the default channel");
         bench.expect_value(multiplexer, &right.to_le_bytes(), duty)
     })
 }
@@ -102,7 +102,7 @@ fn parallel(bench: &mut Bench<'_>) -> Judged {
     }))?;
     bench.check(demand(matches!(first, Some(Response::UploadSegment(_))), || {
         let found = first.as_ref().map_or(Observation::Silence, observed_response);
-        let breach = Breach::new(name, "an upload on the first channel goes on beside a request on the second");
+        let breach = Breach::new(name, "an upload on the first channel continues beside a request on the second");
         breach.expected("an upload segment").found(found)
     }))?;
     close(bench)

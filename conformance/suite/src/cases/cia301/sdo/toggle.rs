@@ -18,9 +18,9 @@ use canvass_bus::observation::Observation;
 
 /// Requires that the rest of a download is accepted after an ignored segment, if its toggle bit is right.
 fn goes_on(bench: &mut Bench<'_>, scratch: &Scratch, toggle: bool, rest: &[u8]) -> Judged {
-    let reply = bench.exchange(&segment(toggle, rest, true)?, "segment with the right toggle bit after one without")?;
+    let reply = bench.exchange(&segment(toggle, rest, true)?, "segment with the right toggle bit after a wrong one")?;
     reply.expect("its confirmation", |response| *response == Response::DownloadSegment { toggle })?;
-    let duty = "a download goes on after a segment that is ignored";
+    let duty = "a download continues after a segment that is ignored";
     bench.expect_value(scratch.multiplexer, &scratch.other, duty)
 }
 
@@ -105,7 +105,7 @@ fn repeated_toggle(bench: &mut Bench<'_>) -> Judged {
         return finish_upload(bench, multiplexer, segment.data().to_vec(), true, &right);
     }
     bench.check(again.refused(Situation::RepeatedToggle))?;
-    bench.expect_value(multiplexer, &right, "a new upload gives the whole value")?;
+    bench.expect_value(multiplexer, &right, "a new upload returns the whole value")?;
     bench.expect_tidy()
 }
 
@@ -115,7 +115,7 @@ fn repeated_toggle(bench: &mut Bench<'_>) -> Judged {
        needs = [SegmentedUpload], catches = [SdoStraySegmentSilent, SdoToggleUnchecked])]
 fn over_after_abort(bench: &mut Bench<'_>) -> Judged {
     let (multiplexer, Some(reply)) = wrong_first(bench)? else {
-        bench.note("the server ignores a wrong toggle bit: the transfer goes on");
+        bench.note("the server ignores a wrong toggle bit: the transfer continues");
         return bench.expect_tidy();
     };
     bench.check(reply.refused(Situation::RepeatedToggle))?;
@@ -140,7 +140,7 @@ fn abort_names_object(bench: &mut Bench<'_>) -> Judged {
         }
     };
     let Some(Response::Abort(Abort { multiplexer: named, code })) = reply.response else {
-        let breach = Breach::new(multiplexer, "a segment that has no place in the upload is refused");
+        let breach = Breach::new(multiplexer, "a segment that is not allowed in the upload is refused");
         let breach = breach.expected("an abort").found(reply.observation()).told(reply.actual());
         return Err(Box::new(breach)).or_inconclusive();
     };
