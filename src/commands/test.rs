@@ -286,10 +286,9 @@ pub fn named(device: &str) -> &str {
 /// The error that asks for the device's node-ID and says how to find it.
 pub fn which_node(bus: &str, model: Option<&Model>) -> anyhow::Error {
     match model {
-        Some(model) => anyhow!(
-            "which node? {} has no node-ID as delivered: --node N gives it one, as commissioning does",
-            model.id()
-        ),
-        None => anyhow!("which node? Use --node N (canvass scan {bus} finds it)"),
+        Some(model) => {
+            anyhow!("{} has no node-ID as delivered: assign one with --node N, as commissioning does", model.id())
+        }
+        None => anyhow!("the node-ID of the device is not known: use --node N (canvass scan {bus} finds it)"),
     }
 }

@@ -93,7 +93,7 @@ impl Export {
         file.map_or(Ok(()), WholeFile::complete)?;
         // Unreadable files are reported; the rows of all others have been written.
         if unreadable > 0 {
-            return Err(anyhow!("not everything could be read").into());
+            return Err(anyhow!("some captures could not be read").into());
         }
         Ok(Status::Good)
     }
