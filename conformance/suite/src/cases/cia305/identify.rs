@@ -84,7 +84,7 @@ fn outside(bench: &mut Bench<'_>) -> Judged {
     tried(identify(bench, right, true)?.len(), "an answer to the bounds of its own address")
 }
 
-/// A slave with a node-ID does not answer the identification of slaves without one.
+/// A slave with a node-ID does not answer identify non-configured remote slave.
 #[case(id = "305/identify/configured", clause = "CiA 305 6.6.4", confidence = Attested, level = Must,
        needs = [Lss, Alone], catches = [LssNonConfiguredAnswered])]
 fn configured(bench: &mut Bench<'_>) -> Judged {

@@ -86,7 +86,7 @@ fn silent(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// A device without node-ID answers the identification of such devices with 50h.
+/// A device without node-ID answers identify non-configured remote slave with 50h.
 #[case(id = "305/unconfigured/identify", clause = "CiA 305 6.6.4", confidence = Attested, level = Must,
        needs = [Lss, Alone], touches = [NodeId], catches = [LssIdentifyUnanswered])]
 fn identify(bench: &mut Bench<'_>) -> Judged {
