@@ -45,7 +45,7 @@ impl Rule for NoCanopen {
         let kinds = [
             (self.error_frames, "error frames"),
             (self.foreign, "CAN FD, CAN XL or with 29-bit identifiers"),
-            (self.unknown, "with CAN-IDs of no known use"),
+            (self.unknown, "with CAN-IDs of unknown use"),
         ];
         let kinds = kinds.iter().filter(|kind| kind.0 > 0).map(|(count, what)| format!("{count} {what}"));
         let kinds: Vec<String> = kinds.collect();
