@@ -304,7 +304,7 @@ fn lateness_is_told() {
     let mut reasons = reports.iter().filter_map(|report| report.verdict.reason());
     let reason = reasons.find(|reason| reason.lack == Lack::Promptness).unwrap();
     assert_eq!(reason.duty, "the device keeps up");
-    assert!(reason.actual.starts_with("the device was late as a whole: a read beside the case"), "{reason}");
+    assert!(reason.actual.starts_with("the device was late as a whole: a read outside the case"), "{reason}");
     let tried = reports.iter().flat_map(|report| &report.notes).filter(|note| note.contains("late as a whole"));
     assert!(tried.count() > 0, "tried again");
 }

@@ -17,19 +17,20 @@ const EFFECTS: &[Effect] = &[Effect::never_on(&["lss/"]), Effect::on_the_rest().
 
 /// two devices have the same node-ID
 ///
-/// One node-ID speaks with two voices: its heartbeats alternate between two states without any command, or between two
-/// intervals; one SDO request gets two different answers, or several requests get the same answer twice; a second
-/// boot-up follows the first without a reset while the other device's heartbeat goes on; or a part of its identity that
-/// can't change is read with two values, without a boot-up in between. Copies of a frame that the interface itself made
-/// don't count.
+/// Messages with one node-ID come from two devices: its heartbeats alternate between two states without any command, or
+/// between two intervals; one SDO request gets two different answers, or several requests get the same answer twice; a
+/// second boot-up follows the first without a reset while the other device's heartbeat continues; or a constant part of
+/// its identity is read with two values, without a boot-up in between. Copies of a frame that the interface made do not
+/// count.
 ///
 /// # Why
-/// Both devices obey and answer whatever is sent to this node-ID. Configuration of one destroys the other's, and data
-/// of both are mixed on the same CAN-IDs, where equal beginnings even cause bus errors.
+/// Both devices execute and answer every message to this node-ID. Configuring one device overwrites the configuration
+/// of the other, and the data of both are mixed on the same CAN-IDs. Frames of both that start at the same moment cause
+/// bus errors.
 ///
 /// # What to do
-/// Disconnect the devices one by one until the node-ID is silent, and give one of them another. Devices of the same
-/// type that were all delivered with the default node-ID are the usual cause.
+/// Disconnect the devices one by one until the node-ID is silent, and give one of the two devices another node-ID. The
+/// usual cause is several devices of the same type with the default node-ID.
 #[rule(
     id = "bus/duplicate-node-id",
     severity = Error,

@@ -27,12 +27,12 @@ const EFFECTS: &[Effect] = &[
 /// intervals that together are the event timer.
 ///
 /// # Why
-/// Everything synchronous happens twice in a cycle, and at changing distances; of a PDO, consumers take the values of
-/// two devices for those of one. When both send at the same moment, they disturb each other.
+/// All synchronous actions happen twice in a cycle, at changing distances. Consumers of a PDO take the values of two
+/// devices for the values of one. When both producers send at the same moment, they disturb each other.
 ///
 /// # What to do
-/// Read 1005h of all nodes: bit 30 must be set in one only; and 180xh:1 of all nodes: no CAN-ID must be in two. A
-/// configuration tool that was left connected is a frequent second producer of SYNC.
+/// Read 1005h of all nodes: bit 30 must be set in one node only. Read 180xh:1 of all nodes: each CAN-ID must occur once
+/// only. A configuration tool that was left connected is a frequent second producer of SYNC.
 #[rule(
     id = "bus/two-producers",
     severity = Error,

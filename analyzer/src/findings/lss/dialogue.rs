@@ -7,16 +7,16 @@ use canvass_traces::Duration;
 
 /// an LSS dialogue goes wrong
 ///
-/// An answer on 7E4h belongs to another service than the request before it, or nobody has asked, or several slaves
-/// answer what one slave is asked. Identify and Fastscan may have several answers.
+/// An answer on 7E4h belongs to another service than the request before it, comes without a request, or several slaves
+/// answer a request to one slave. Identify and Fastscan may have several answers.
 ///
 /// # Why
-/// Several slaves in configuration state all take the node-ID and the bit rate that follow: two devices end up with one
-/// node-ID. Other wrong answers make the master configure a slave that is not there.
+/// All slaves in configuration state accept the node-ID and the bit rate that follow, so that two devices get the same
+/// node-ID. Other wrong answers make the master configure a slave that does not exist.
 ///
 /// # What to do
-/// Switch all slaves to waiting (04h 00h), then address one alone by the four numbers of its LSS address. Switching all
-/// to configuration (04h 01h) is only for a bus with one slave.
+/// Switch all slaves to waiting (04h 00h), then address a single slave by the four numbers of its LSS address. Switch
+/// all slaves to configuration (04h 01h) only on a bus with one slave.
 #[rule(id = "lss/dialogue", severity = Error, rank = Detail, services = [Lss, Lmt])]
 struct Dialogue {
     request: Option<Seen>,

@@ -16,18 +16,18 @@ const EFFECTS: &[Effect] =
 
 /// a node does not reach the commanded NMT state
 ///
-/// After an NMT command, and time to obey it, heartbeats or guarding answers of the node still show another state: two
-/// of them, so that one that was already queued does not count. A reset is not obeyed either where no boot-up follows
-/// and the heartbeat goes on in the same state and without a pause, each at its time. All commands that a node does not
-/// obey are one finding. The NMT master does not hear its own commands: a node that stays operational although all are
-/// told otherwise is only worth knowing as long as no command has named it, it has not obeyed one to stop, has answered
-/// no SDO client, and sends neither TPDOs nor EMCY.
+/// Two heartbeats or guarding answers of the node show another NMT state than a command demands, after the time to
+/// execute it; a single one may have been queued before the command. A reset also counts as not obeyed if no boot-up
+/// follows and the heartbeats continue in the same state, each at its regular time. All commands that a node does not
+/// obey are one finding. The NMT master does not receive its own commands. A node may be the master if it stays
+/// operational after a command to all nodes, no command has named it, it has obeyed no command to leave operational,
+/// has answered no SDO client, and sends neither TPDOs nor EMCY: the severity is then info.
 ///
 /// # Why
-/// The master believes that the node is in another state than it is: it sends no process data, or goes on sending them.
+/// The node is not in the state that the master assumes: it sends no process data, or continues to send them.
 ///
 /// # What to do
-/// See whether the node reports an EMCY: devices refuse to start while an error is present. Check that the command
+/// Check whether the node reports an EMCY: devices refuse to start while an error is present. Check that the command
 /// really names this node.
 #[rule(
     id = "nodes/command-not-obeyed",

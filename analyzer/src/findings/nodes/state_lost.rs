@@ -16,11 +16,11 @@ const EFFECTS: &[Effect] = &[Effect::on(&["nodes/pdo-outside-operational", "pdo/
 /// command or a boot-up in between.
 ///
 /// # Why
-/// The node has reacted to an error, as 1029h says: a heartbeat or guarding event, bus-off, or an error of its own. Its
-/// process data have stopped.
+/// The node has reacted to an error according to 1029h: a heartbeat or guarding event, bus-off, or an internal error.
+/// Its process data have stopped.
 ///
 /// # What to do
-/// Look for an EMCY of the node just before, and at whose heartbeat it consumes (1016h).
+/// Look for an EMCY of the node just before, and check which heartbeats it consumes (1016h).
 #[rule(
     id = "nodes/state-lost",
     severity = Error,

@@ -16,14 +16,15 @@ const EFFECTS: &[Effect] = &[
 
 /// a SYNC message is missing
 ///
-/// SYNC has kept a period, and then at least one was left out, or it does not come back until the capture ends. Pauses around NMT commands are not counted, as masters
-/// stop SYNC for a restart, nor is what follows when 1005h or 1006h is written.
+/// SYNC has kept a period, and then at least one SYNC message is missing, or SYNC does not return until the capture
+/// ends. The rule does not count pauses around NMT commands, because masters stop SYNC for a restart, and pauses after
+/// a write of 1005h or 1006h.
 ///
 /// # Why
-/// Synchronous PDOs are not sent and outputs are not updated in that cycle; drives in interpolated modes stop.
+/// In that cycle synchronous PDOs are not sent and outputs are not updated; drives in interpolated modes stop.
 ///
 /// # What to do
-/// Look at what the SYNC producer was doing, and at the bus load: SYNC has a high priority, so that a full bus alone
+/// Check the other messages of the SYNC producer, and the bus load: SYNC has a high priority, so that a full bus alone
 /// does not delay it.
 #[rule(
     id = "pdo/sync-missing",

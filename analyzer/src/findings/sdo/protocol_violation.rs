@@ -9,16 +9,16 @@ use canvass_macros::rule;
 
 /// a rule of the SDO protocol is broken
 ///
-/// A toggle bit that does not alternate, an answer about another object, more or fewer bytes than announced, a wrong
-/// CRC or sequence number in a block transfer, an unknown command, or an answer that nobody asked for. Transfers that
-/// were under way when the capture began are not judged.
+/// An SDO message violates the protocol: a toggle bit that does not alternate, an answer for another object, more or
+/// fewer bytes than announced, a wrong CRC or sequence number in a block transfer, an unknown command, or an answer
+/// without a request. Transfers that began before the capture are not judged.
 ///
 /// # Why
-/// Data may be lost, doubled or belong to another object. Some clients and servers don't notice.
+/// Data may be lost, duplicated or belong to another object. Some clients and servers do not detect this.
 ///
 /// # What to do
-/// The frames show who broke the rule: client (600h + node-ID) or server (580h + node-ID). Answers that nobody asked
-/// for come from a second device with the same node-ID, or from a client that gave up too early.
+/// The frames show which side violated the protocol: client (600h + node-ID) or server (580h + node-ID). Answers
+/// without a request come from a second device with the same node-ID, or after a client gave up too early.
 #[rule(id = "sdo/protocol-violation", severity = Error, rank = Detail, services = [Sdo])]
 struct ProtocolViolation {
     /// The channels on which the beginning of a transfer was seen.

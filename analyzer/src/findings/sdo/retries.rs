@@ -7,14 +7,14 @@ use canvass_macros::rule;
 
 /// an SDO client repeats its request
 ///
-/// The same request is sent again before an answer has come, to a node that does send something in this capture.
+/// A client repeats a request before an answer has come, to a node that sends messages in this capture.
 ///
 /// # Why
-/// The server was too slow for the client, or the request was lost. The server may answer both, and from then on client
-/// and server are one answer apart.
+/// The server was too slow for the client, or the request was lost. The server may answer both requests, and from then
+/// on the client takes each answer for the answer to its next request.
 ///
 /// # What to do
-/// Lengthen the time-out of the client, and see how long the server takes for other objects.
+/// Lengthen the timeout of the client, and check the response times of the server for other objects.
 #[rule(id = "sdo/retries", severity = Warning, rank = Detail, also = UnusualRequests)]
 struct Retries {
     /// The first repeated request to each node, and the number of repetitions.

@@ -21,17 +21,17 @@ const EFFECTS: &[Effect] =
 
 /// an SDO request gets no answer
 ///
-/// An SDO request is followed by no answer of the server until the time is over, or until the client gives up and sends
-/// something else. Stopped nodes must not answer. Requests to several nodes that never send anything are a scan for
-/// nodes, and not reported.
+/// The server does not answer an SDO request within the timeout, or until the client gives up and sends another
+/// request. Requests to stopped nodes, which must not answer, are not reported. Requests to several nodes that never
+/// send a message count as a scan for nodes, and are not reported.
 ///
 /// # Why
-/// The client waits for its time-out and then usually aborts; start-up of the machine is delayed or fails.
+/// The client waits for its timeout and then usually aborts; the start-up of the machine is delayed or fails.
 ///
 /// # What to do
-/// Where the node still sends other messages, its SDO server is busy or hung;
-/// silence to a node that is off or has another node-ID. Two clients on one channel take each other's answers: give the
-/// second one a channel of its own (1201h).
+/// If the node still sends other messages, its SDO server is busy or hangs. If it sends no message at all, it is
+/// switched off or has another node-ID. Two clients on one channel receive each other's answers: give the second client
+/// its own channel (1201h).
 #[rule(id = "sdo/unanswered", severity = Error, rank = ProcessData, services = [Sdo], leads_to = EFFECTS)]
 struct Unanswered {
     /// timeout for an answer

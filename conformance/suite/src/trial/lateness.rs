@@ -34,7 +34,7 @@ pub(super) fn judge(mut trial: Trial, bench: &mut Bench<'_>) -> Trial {
     let usual = bench.knowledge.usual_answer();
     let late = |found: &Reason| {
         let actual = format!(
-            "the device was late as a whole: a read beside the case was answered {lateness} later{}",
+            "the device was late as a whole: a read outside the case was answered {lateness} later{}",
             meanwhile(found)
         );
         let reason = Reason::new(DEVICE_KEEPS_UP, format!("answers after {usual}, as usual"), actual);
