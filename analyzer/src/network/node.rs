@@ -250,13 +250,7 @@ impl Node {
 
     /// The node's state after an NMT command; `None` if the command is reserved.
     pub fn obey(&mut self, command: Command) -> Option<State> {
-        let state = match command {
-            Command::START => State::OPERATIONAL,
-            Command::STOP => State::STOPPED,
-            Command::ENTER_PRE_OPERATIONAL => State::PRE_OPERATIONAL,
-            Command::RESET_NODE | Command::RESET_COMMUNICATION => State::BOOT_UP,
-            _ => return None,
-        };
+        let state = command.state()?;
         self.state = Some((state, Cause::Command));
         Some(state)
     }

@@ -2,6 +2,8 @@
 //! Nothing is found in healthy traffic.
 
 #[cfg(test)]
+mod accused;
+#[cfg(test)]
 mod block;
 #[cfg(test)]
 mod bus;

@@ -82,6 +82,7 @@ const ELSEWHERE: &[&str] = &[
     "lss/store-wear",
     "pdo/sync-jitter",
     "sdo/impatient-client",
+    "sdo/too-early",
 ];
 
 /// The time of findings that depends on their worst moment; it is not compared.

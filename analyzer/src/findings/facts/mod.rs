@@ -10,7 +10,7 @@ mod tpdos;
 
 pub use errors::{Errors, Raised};
 pub use heartbeats::Heartbeats;
-pub use node::NodeFacts;
+pub use node::{NodeFacts, Obedience};
 pub use operands::Operand;
 pub use presence::{Orders, Outage, Presence, Sign};
 pub use requests::{Pending, RequestEvent, Requests};
@@ -132,7 +132,8 @@ impl Facts {
                 if decoded.service == Service::BootUp {
                     self.errors.frame(record, decoded);
                 }
-                news.request = self.requests.frame(record, decoded);
+                let absent = decoded.node.is_some_and(|node| self.nodes[node].is_absent());
+                news.request = self.requests.frame(record, decoded, absent);
                 self.heartbeats.other(decoded, begins_anew, bus);
             }
             Service::Guarding | Service::Lss | Service::Lmt => self.heartbeats.other(decoded, begins_anew, bus),
@@ -192,6 +193,9 @@ impl Facts {
         if self.news.is_from_node {
             self.presence.heard(node);
             let facts = &mut self.nodes[node];
+            if let Message::ErrorControl(message) = decoded.message {
+                facts.shown(message.state);
+            }
             facts.is_slave |= matches!(decoded.service, Service::Sdo | Service::Pdo | Service::Emcy);
             if let (Some(_), Some(last)) = (facts.pending_reset, facts.last_seen) {
                 facts.longest_pause = facts.longest_pause.max(now.since(last));
@@ -204,7 +208,7 @@ impl Facts {
         if decoded.service == Service::BootUp {
             self.restarted(node, now);
             let facts = &mut self.nodes[node];
-            (facts.last_boot_up, facts.pending_reset, facts.has_moved) = (Some(now), None, false);
+            facts.booted(now);
             self.moved(bus);
         }
         if decoded.ends_transfer() {
@@ -245,13 +249,18 @@ impl Facts {
         !resets
             && present.all(|facts| {
                 let obeyed = |at| facts.last_boot_up.is_none_or(|boot_up| boot_up < at);
-                facts.command.is_some_and(|(last, at)| last == nmt.command && obeyed(at))
+                let left = facts.obedience == Obedience::Left;
+                !left && facts.command.is_some_and(|(last, at)| last == nmt.command && obeyed(at))
             })
     }
 
     fn commanded(&mut self, now: Timestamp, command: Command, node: u8) {
         let resets = command.is_reset();
         for (_, facts) in self.nodes.named_mut(node) {
+            let repeats = facts.command.is_some_and(|(last, _)| last == command);
+            if !repeats || facts.obedience == Obedience::Left {
+                facts.obedience = Obedience::Open;
+            }
             facts.command = Some((command, now));
             facts.is_slave |= node != 0;
             if resets {

@@ -10,7 +10,7 @@ use canvass_macros::rule;
 /// a node-ID or bit rate was changed and not stored
 ///
 /// An LSS or LMT slave has taken a new node-ID or bit rate, and is switched back to waiting, or the capture ends,
-/// without a successful store. Where the master uses Fastscan, this is only worth knowing: such masters assign node-IDs
+/// without an answered store. A refused store is reported by lss/refused. Where the master uses Fastscan, this is only worth knowing: such masters assign node-IDs
 /// at every start.
 ///
 /// # Why
@@ -58,7 +58,8 @@ impl Rule for NotStored {
                 }
             }
             Some(Sender::Slave) => match configured(message) {
-                Some((ConfigureCommand::Store, 0)) => self.changed = [None, None],
+                // A refusal has a finding of its own.
+                Some((ConfigureCommand::Store, _)) => self.changed = [None, None],
                 Some((setting @ (ConfigureCommand::NodeId | ConfigureCommand::BitTiming), 0)) => {
                     let at = usize::from(setting == ConfigureCommand::BitTiming);
                     self.changed[at] = Some(context.seen());

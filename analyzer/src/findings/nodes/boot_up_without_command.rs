@@ -13,7 +13,7 @@ const EFFECTS: &[Effect] = &super::restart::effects(Effect::never_on(&["nodes/bo
 ///
 /// A boot-up message of a node that was already running, and that no NMT reset command, LSS service or program control
 /// (1F51h) explains. The first boot-up in a capture is not reported: the node was switched on. Of two boot-ups after
-/// one reset command the second one is. Within ten seconds of a store, a boot-up is taken for the power cycle that
+/// one reset command the second one is, unless the device sends two within half a second at each of its starts. Within ten seconds of a store, a boot-up is taken for the power cycle that
 /// makes stored parameters take effect.
 ///
 /// # Why
@@ -48,6 +48,7 @@ pub fn is_explained(context: &Context<'_>, node: NodeId, facts: &NodeFacts) -> b
         || after_boot_up(context.scene.facts.layer_setting)
         || after_boot_up(facts.last_program_control)
         || after_boot_up(facts.last_store)
+        || facts.repeats_boot_up(context.now())
 }
 
 impl Rule for BootUpWithoutCommand {

@@ -14,8 +14,9 @@ const EFFECTS: &[Effect] = &[
 
 /// an SDO server answers late
 ///
-/// The answer to an SDO request comes later than usual time-outs allow, counted from the first time that it was sent. Storing and restoring parameters may take
-/// longer.
+/// The answer to an SDO request comes later than usual time-outs allow, counted from the first time that it was sent.
+/// Storing and restoring parameters may take longer. Requests that were sent before the node's boot-up are not counted:
+/// sdo/too-early reports them.
 ///
 /// # Why
 /// Many clients give up after 500 ms, repeat the request, and then take the late answer for the answer to the next one.
@@ -60,6 +61,9 @@ impl Rule for Late {
             RequestEvent::AnsweredLate { pending, gave_up, .. } => (pending, Some(*gave_up)),
             _ => return,
         };
+        if context.scene.was_asked_too_early(pending) {
+            return;
+        }
         let limit = Limits { answer: self.answer, store: self.store }.of(pending);
         // The time counts from the first of repeated requests.
         let asked = pending.request.time();

@@ -6,4 +6,5 @@ mod late;
 mod protocol_violation;
 mod retries;
 mod store_wear;
+mod too_early;
 mod unanswered;

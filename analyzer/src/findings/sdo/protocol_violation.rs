@@ -50,6 +50,7 @@ impl Rule for ProtocolViolation {
             let side = if client { "client" } else { "server" };
             let object = context.decoded.object.map(|object| format!(" ({object})")).unwrap_or_default();
             match violation {
+                Violation::Unexpected if repeats(context) => format!("the {side} repeats its answer{object}"),
                 Violation::Unexpected => {
                     format!("{} {side} that does not belong here{object}", what(context.message()))
                 }
@@ -66,6 +67,12 @@ impl Rule for ProtocolViolation {
     fn interrupted(&mut self) {
         self.begun.fill(false);
     }
+}
+
+/// Whether the frame is the same as the last one with this CAN-ID: the server answers one request more than once.
+fn repeats(context: &Context<'_>) -> bool {
+    let is_answer = matches!(context.message(), Message::SdoResponse(response) if response.multiplexer().is_some());
+    is_answer && context.previous.is_some_and(|before| before.record.frame == context.record.frame)
 }
 
 const fn kind(violation: Violation) -> u64 {

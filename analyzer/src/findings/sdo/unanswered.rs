@@ -1,4 +1,4 @@
-use crate::PerNode;
+use crate::{NodeId, PerNode};
 use crate::findings::effect::{Effect, SETTLE};
 use crate::findings::facts::{Pending, RequestEvent};
 use crate::findings::rule::Rule;
@@ -23,7 +23,7 @@ const EFFECTS: &[Effect] =
 ///
 /// An SDO request is followed by no answer of the server until the time is over, or until the client gives up and sends
 /// something else. Stopped nodes must not answer. Requests to several nodes that never send anything are a scan for
-/// nodes, and not reported.
+/// nodes, and not reported, nor are requests that were sent before the node's boot-up.
 ///
 /// # Why
 /// The client waits for its time-out and then usually aborts; start-up of the machine is delayed or fails.
@@ -65,6 +65,9 @@ fn tell(
     // A node that is stopped, by command or by its own heartbeat, must not answer.
     let state = scene.bus.node(node).and_then(|node| node.state);
     if matches!(state, Some((State::STOPPED, Cause::Command | Cause::ErrorControl))) {
+        return;
+    }
+    if scene.was_asked_too_early(pending) {
         return;
     }
     let message = format!("no answer to the request{}: {why}", pending.about());
@@ -164,17 +167,23 @@ impl Rule for Unanswered {
                 tell(&mut self.absent, pending, &why, scene, sink);
             }
         }
-        let absent = self.absent.iter_mut();
-        let absent: Vec<_> = absent.filter(|(node, _)| scene.facts.node(*node).first_seen.is_none()).collect();
-        let asked = absent.iter().filter(|(_, request)| request.is_some()).count();
-        if asked as u64 >= self.scan {
-            return;
-        }
-        for (node, request) in absent {
-            if let Some((request, message)) = request.take().map(|absent| *absent) {
-                let report = Report::at(request.time()).node(node).evidence(request.evidence());
-                sink.report(report, || format!("{message}; the node never sends anything"));
+        let silent = |node: NodeId| scene.facts.node(node).first_seen.is_none();
+        let asked = self.absent.iter().filter(|(node, request)| request.is_some() && silent(*node)).count();
+        let is_scan = asked as u64 >= self.scan;
+        for (node, request) in self.absent.iter_mut() {
+            let Some((request, message)) = request.take().map(|absent| *absent) else { continue };
+            let first = scene.facts.node(node).first_seen;
+            if first.is_none() && is_scan || first.is_some() && scene.facts.node(node).last_boot_up.is_some() {
+                continue;
             }
+            let report = Report::at(request.time()).node(node).evidence(request.evidence());
+            sink.report(report, || match first {
+                None => format!("{message}; the node never sends anything"),
+                Some(first) => {
+                    let later = first.since(request.time());
+                    format!("{message}; the node sends its first message {later} after the request")
+                }
+            });
         }
     }
 }
