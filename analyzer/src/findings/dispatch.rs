@@ -19,7 +19,7 @@ pub struct Dispatch(Box<[Box<[u8]>]>);
 static DISPATCH: LazyLock<Dispatch> = LazyLock::new(Dispatch::new);
 
 impl Also {
-    const COUNT: usize = Self::UnusualRequests as usize + 1;
+    const COUNT: usize = Self::UnusualPdos as usize + 1;
 }
 
 impl Traits {

@@ -131,7 +131,7 @@ fn requests_between_reset_and_boot_up_are_too_early() {
     traffic.at(10_300, "602#4001100000000000").at(10_800, "602#8001100000000405");
     traffic.at(12_000, "702#00").every(12_100, 20_000, 100, |_| "702#7F".to_owned());
     let found = traffic.finds_among(&["sdo/too-early", "sdo/aborted"], "sdo/too-early", Some(2), 10_300);
-    assert!(found.message.contains("after the reset and 1.7"), "{}", found.message);
+    assert!(found.message.contains("after the reset and 1.69"), "{}", found.message);
     // After the boot-up the node must answer.
     let mut late = traffic.clone();
     late.remove(|ms, frame| frame.cob_id() == Some(0x602) && ms > 0);

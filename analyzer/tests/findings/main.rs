@@ -32,6 +32,8 @@ mod sdo;
 #[cfg(test)]
 mod statistics;
 #[cfg(test)]
+mod steady;
+#[cfg(test)]
 mod stories;
 #[cfg(test)]
 mod together;

@@ -6,6 +6,7 @@ mod node;
 mod operands;
 mod presence;
 mod requests;
+mod streams;
 mod tpdos;
 
 pub use errors::{Errors, Raised};
@@ -14,6 +15,7 @@ pub use node::{NodeFacts, Obedience};
 pub use operands::Operand;
 pub use presence::{Orders, Outage, Presence, Sign};
 pub use requests::{Pending, RequestEvent, Requests};
+pub use streams::{Stream, StreamEvent, Streams};
 pub use tpdos::{AllParameters, Parameters, TPDOS};
 
 use super::rhythm::Interval;
@@ -46,6 +48,8 @@ pub struct Facts {
     pub requests: Requests,
     /// The present errors of the nodes, after the frame.
     pub errors: Errors,
+    /// The TPDOs as they are learned from their frames, after the frame.
+    pub streams: Streams,
     /// The presence of the nodes, before the frame.
     pub presence: Presence,
     /// The facts about the frame that several rules need.
@@ -59,6 +63,8 @@ pub struct News {
     pub begins_anew: bool,
     /// Whether the frame is a TPDO of which any parameter is known.
     pub is_known_tpdo: bool,
+    /// What a TPDO shows that is unusual.
+    pub stream: StreamEvent,
     /// Whether the concerned node has sent the frame.
     pub is_from_node: bool,
     /// The outage of the node that ends with this frame.
@@ -114,8 +120,11 @@ impl Facts {
         if !matches!(news.request, RequestEvent::None) {
             news.request = RequestEvent::None;
         }
+        news.stream = StreamEvent::Usual;
         match decoded.service {
+            Service::Sync => _ = self.streams.frame(record, decoded),
             Service::Pdo => {
+                news.stream = self.streams.frame(record, decoded);
                 if let (Some(node), Message::Pdo(PdoNumber::Transmit(number))) = (decoded.node, decoded.message) {
                     news.is_known_tpdo = self.tpdos.of(node, number).is_known();
                 }
@@ -161,6 +170,7 @@ impl Facts {
         self.presence.interrupted(now);
         self.heartbeats.interrupted();
         self.requests.interrupted();
+        self.streams.interrupted();
     }
 
     /// Handles the frame after the rules have seen it.
@@ -170,6 +180,9 @@ impl Facts {
             Message::Nmt(nmt) => {
                 self.commanded(now, nmt.command, nmt.node);
                 self.presence.commanded(now, nmt);
+                if self.news.begins_anew {
+                    self.streams.restart(nmt.node);
+                }
             }
             Message::GuardingRequest => {
                 if let Some(node) = decoded.node {
@@ -209,9 +222,13 @@ impl Facts {
             self.restarted(node, now);
             let facts = &mut self.nodes[node];
             facts.booted(now);
+            self.streams.restart(node.raw());
             self.moved(bus);
         }
         if decoded.ends_transfer() {
+            if decoded.object.is_some_and(|object| matches!(object.index.0, 0x1800..=0x1BFF)) {
+                self.streams.restart(node.raw());
+            }
             self.transferred(now, node, decoded, bus);
         }
     }
@@ -262,6 +279,7 @@ impl Facts {
                 facts.obedience = Obedience::Open;
             }
             facts.command = Some((command, now));
+            facts.operational = command == Command::START;
             facts.is_slave |= node != 0;
             if resets {
                 (facts.pending_reset, facts.longest_pause) = (Some(now), Duration::ZERO);

@@ -13,6 +13,8 @@ pub struct NodeFacts {
     pub last_seen: Option<Timestamp>,
     /// The CAN-ID of the node's last message.
     pub last_id: Option<u16>,
+    /// Whether the last heartbeat, guarding answer, boot-up or start command shows the node in operational.
+    pub operational: bool,
     /// The last NMT command to the node or to all nodes.
     pub command: Option<(Command, Timestamp)>,
     /// Whether the node has shown the state of `command`, and whether it has shown another one since.
@@ -98,6 +100,7 @@ impl NodeFacts {
 
     /// Notes a state that error control shows.
     pub(super) fn shown(&mut self, state: State) {
+        self.operational = state == State::OPERATIONAL;
         let Some(commanded) = self.command.and_then(|(command, _)| command.state()) else { return };
         self.obedience = match self.obedience {
             _ if state == commanded => Obedience::Reached,

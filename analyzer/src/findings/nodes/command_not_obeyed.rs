@@ -49,8 +49,6 @@ struct CommandNotObeyed {
     #[threshold(ms = 2000)]
     reset: Duration,
     nodes: PerNode<Watched>,
-    /// Whether a node has obeyed a command to all nodes.
-    obeyed: bool,
 }
 
 #[derive(Default)]
@@ -58,6 +56,8 @@ struct Watched {
     pending: Option<Pending>,
     /// Whether the node has obeyed a command to leave operational or to reset.
     obedient: bool,
+    /// Whether the node has obeyed a command to all nodes.
+    obeyed_all: bool,
     /// The last heartbeat, with its state.
     beat: Option<(Timestamp, State)>,
     disobeyed: Disobeyed,
@@ -207,7 +207,7 @@ impl CommandNotObeyed {
             || is_reset && state == State::PRE_OPERATIONAL && !goes_on
         {
             let before = pending.before.is_none_or(|(_, before)| before != state);
-            self.obeyed |= pending.is_to_all() && before;
+            watched.obeyed_all |= pending.is_to_all() && before;
             watched.obedient |= pending.expected != State::OPERATIONAL;
             watched.pending = None;
             return;
@@ -297,8 +297,10 @@ impl Rule for CommandNotObeyed {
             watched.give_up(node, self.settle, scene, sink);
         }
         // The only node that does not hear what others obey is the master.
-        let masters = self.nodes.iter().filter(|(_, watched)| !watched.doubtful.is_empty()).count();
-        if masters == 1 && self.obeyed {
+        let is_doubtful = |watched: &Watched| !watched.doubtful.is_empty();
+        let doubtful = self.nodes.iter().filter(|(_, watched)| is_doubtful(watched)).count();
+        let others_obey = self.nodes.iter().any(|(_, watched)| watched.obeyed_all && !is_doubtful(watched));
+        if doubtful == 1 && others_obey {
             return;
         }
         for (node, watched) in self.nodes.iter_mut() {

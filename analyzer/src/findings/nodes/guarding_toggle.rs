@@ -15,7 +15,7 @@ use canvass_macros::rule;
 ///
 /// # What to do
 /// A fault of the device, unless two masters guard the same node: then each sees every other answer.
-#[rule(id = "nodes/guarding-toggle", severity = Error, rank = Detail, services = [Guarding, BootUp, Nmt])]
+#[rule(id = "nodes/guarding-toggle", severity = Error, rank = State, services = [Guarding, BootUp, Nmt])]
 struct GuardingToggle {
     nodes: PerNode<Option<bool>>,
     asked: PerNode<bool>,

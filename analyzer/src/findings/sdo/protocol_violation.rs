@@ -1,3 +1,4 @@
+use crate::findings::effect::{Effect, SOON};
 use crate::findings::facts::RequestEvent;
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
@@ -6,6 +7,10 @@ use crate::message::Message;
 use crate::network::sdo::Violation;
 use crate::wire::sdo::{Request, Response};
 use canvass_macros::rule;
+
+/// Effects: the other side gives up.
+const EFFECTS: &[Effect] =
+    &[Effect::on(&["sdo/aborted", "sdo/unfinished", "sdo/retries"]).of_same_node().spanning(SOON)];
 
 /// a rule of the SDO protocol is broken
 ///
@@ -17,9 +22,12 @@ use canvass_macros::rule;
 /// Data may be lost, doubled or belong to another object. Some clients and servers don't notice.
 ///
 /// # What to do
-/// The frames show who broke the rule: client (600h + node-ID) or server (580h + node-ID). Answers that nobody asked
-/// for come from a second device with the same node-ID, or from a client that gave up too early.
-#[rule(id = "sdo/protocol-violation", severity = Error, rank = Detail, services = [Sdo])]
+/// The finding names the side that broke the rule: client (600h + node-ID) or server (580h + node-ID). A wrong CRC is
+/// calculated otherwise than CiA 301 says (from 0, without the unused bytes of the last segment), or bytes were lost. A
+/// wrong sequence number or toggle bit is a lost or doubled frame, a wrong size a fault of the sender. Only an answer
+/// that nobody asked for, or about another object, points to a second client on this channel, to a second device with
+/// the same node-ID, or to a client that gave up too early.
+#[rule(id = "sdo/protocol-violation", severity = Error, rank = Transfer, services = [Sdo], leads_to = EFFECTS)]
 struct ProtocolViolation {
     /// The channels on which the beginning of a transfer was seen.
     begun: Vec<bool>,
