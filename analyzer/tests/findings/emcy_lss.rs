@@ -156,5 +156,5 @@ fn layer_settings_stored_again_and_again() {
     for n in 0..12 {
         traffic.at(5_100 + n * 1000, "7E5#1700000000000000").at(5_103 + n * 1000, "7E4#1700000000000000");
     }
-    traffic.finds("lss/store-wear", None, 5_103);
+    traffic.at(17_000, "7E5#0400000000000000").finds("lss/store-wear", None, 5_103);
 }

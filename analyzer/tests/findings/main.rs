@@ -40,4 +40,6 @@ mod together;
 #[cfg(test)]
 mod traffic;
 #[cfg(test)]
+mod unfinished;
+#[cfg(test)]
 mod unusual;

@@ -80,12 +80,16 @@ const ELSEWHERE: &[&str] = &[
     "capture/out-of-order",
     "capture/overrun",
     "encoder/position-frozen",
+    "lss/left-in-configuration",
     "lss/store-wear",
+    "nodes/left-stopped",
     "pdo/ended",
     "pdo/length-changed",
     "pdo/sync-jitter",
     "sdo/impatient-client",
+    "sdo/reserved-bits",
     "sdo/too-early",
+    "sdo/unfinished",
 ];
 
 /// The time of findings that depends on their worst moment; it is not compared.

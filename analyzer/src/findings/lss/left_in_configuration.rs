@@ -3,7 +3,7 @@ use crate::NodeId;
 use crate::findings::effect::{Effect, SETTLE, SOON};
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Scene, Seen};
+use crate::findings::{Context, Scene, Seen, Severity};
 use crate::message::Message;
 use crate::wire::lss::{Request, Response};
 use canvass_macros::rule;
@@ -20,8 +20,8 @@ const EFFECTS: &[Effect] = &[
 /// an LSS slave is left in configuration state
 ///
 /// The master has switched slaves to configuration state, one by its address or all, and does not switch them back to
-/// waiting until the capture ends, or for a long time. Which node it is is known where the node-ID was configured or
-/// inquired.
+/// waiting until the capture ends, or for a long time. The node is known where its node-ID was inquired; as long as it
+/// goes on sending messages, or is not known, this is only worth knowing.
 ///
 /// # Why
 /// Some devices do nothing else while they are in configuration state, others keep the new node-ID waiting until they
@@ -56,6 +56,9 @@ impl LeftInConfiguration {
         }
         let report = Report::at(switched.time()).until(scene.now).node(node).evidence(switched.evidence());
         let report = report.evidence(Some(last.evidence()).filter(|_| last.time() > switched.time()));
+        let seen = node.and_then(|node| scene.facts.node(node).last_seen);
+        let is_silent = seen.is_some_and(|seen| scene.now.since(seen) > self.wait);
+        let report = if is_silent { report } else { report.severity(Severity::Info) };
         sink.report(report, || {
             format!("switched to configuration state, and not back to waiting; the last LSS message came {silence} ago")
         });

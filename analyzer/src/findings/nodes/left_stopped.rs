@@ -80,9 +80,8 @@ impl Rule for LeftStopped {
             let seen = scene.facts.node(node).last_seen;
             seen.is_some_and(|seen| scene.now.since(seen) <= self.least)
         };
-        let other_operates = NodeId::all().any(|node| {
-            self.nodes[node].is_none() && state(node) == Some(State::OPERATIONAL) && lives(node)
-        });
+        let other_operates = NodeId::all()
+            .any(|node| self.nodes[node].is_none() && state(node) == Some(State::OPERATIONAL) && lives(node));
         for (node, stop) in self.nodes.iter() {
             let Some(Stop { command, expected, pdos }) = stop.as_deref() else { continue };
             let lasted = scene.now.since(command.time());
@@ -92,8 +91,11 @@ impl Rule for LeftStopped {
             }
             let report = Report::at(command.time()).until(scene.now).node(node).evidence(command.evidence());
             sink.report(report, || {
-                let pdos = if pdos.is_empty() { String::new() } else { format!("; ended with it: {}", pdos.join(", ")) };
-                format!("{expected} by an NMT command, and not started again in the {lasted} until the capture ends{pdos}")
+                let pdos =
+                    if pdos.is_empty() { String::new() } else { format!("; ended with it: {}", pdos.join(", ")) };
+                format!(
+                    "{expected} by an NMT command, and not started again in the {lasted} until the capture ends{pdos}"
+                )
             });
         }
     }

@@ -124,7 +124,9 @@ impl SyncMissing {
                 self.gaps = Gaps::default();
                 self.rhythm.restart();
             }
-            Shows::Nothing if interval.length > self.percent.of(self.gaps.period) => self.open(interval.length, context),
+            Shows::Nothing if interval.length > self.percent.of(self.gaps.period) => {
+                self.open(interval.length, context);
+            }
             Shows::Nothing => {}
         }
     }

@@ -51,11 +51,12 @@ enum Fault {
 fn of_initiate(command: u8, payload: &[u8]) -> Option<Fault> {
     let (expedited, sized, unused) = (command & 0b10 != 0, command & 0b1 != 0, command & 0b1100);
     let value = payload.get(4..8).is_some_and(|bytes| bytes.iter().any(|byte| *byte != 0));
-    match () {
-        () if command & 0x10 != 0 => Some(Fault::Bits(0x10)),
-        () if unused != 0 && !(expedited && sized) => Some(Fault::Unused),
-        () if !expedited && !sized && value => Some(Fault::Value),
-        () => None,
+    if command & 0x10 != 0 {
+        Some(Fault::Bits(0x10))
+    } else if unused != 0 && !(expedited && sized) {
+        Some(Fault::Unused)
+    } else {
+        (!expedited && !sized && value).then_some(Fault::Value)
     }
 }
 
@@ -73,12 +74,13 @@ const fn of_block(command: u8) -> u8 {
 fn fault(message: &Message, payload: &[u8]) -> Option<Fault> {
     let command = *payload.first()?;
     let reserved = match message {
-        Message::SdoRequest(Request::Unknown { .. }) | Message::SdoResponse(Response::Unknown { .. }) => 0,
+        Message::SdoRequest(Request::Unknown { .. } | Request::DownloadSegment(_))
+        | Message::SdoResponse(Response::Unknown { .. } | Response::UploadSegment(_)) => 0,
         Message::SdoRequest(Request::InitiateDownload { .. })
         | Message::SdoResponse(Response::InitiateUpload { .. }) => return of_initiate(command, payload),
-        Message::SdoRequest(Request::DownloadSegment(_)) | Message::SdoResponse(Response::UploadSegment(_)) => 0,
-        Message::SdoRequest(Request::UploadSegment { .. })
-        | Message::SdoResponse(Response::DownloadSegment { .. }) => 0x0F,
+        Message::SdoRequest(Request::UploadSegment { .. }) | Message::SdoResponse(Response::DownloadSegment { .. }) => {
+            0x0F
+        }
         Message::SdoRequest(Request::InitiateUpload { .. } | Request::Abort(_))
         | Message::SdoResponse(Response::InitiateDownload { .. } | Response::Abort(_)) => 0x1F,
         Message::SdoRequest(_) | Message::SdoResponse(_) => of_block(command),

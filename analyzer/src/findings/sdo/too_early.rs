@@ -8,11 +8,10 @@ use crate::wire::sdo::Request;
 use canvass_macros::rule;
 
 /// Effects: reactions of the client, and answers that come from the node's queue.
-const EFFECTS: &[Effect] = &[
-    Effect::on(&["sdo/aborted", "sdo/retries", "sdo/late", "sdo/unanswered", "sdo/protocol-violation"])
+const EFFECTS: &[Effect] =
+    &[Effect::on(&["sdo/aborted", "sdo/retries", "sdo/late", "sdo/unanswered", "sdo/protocol-violation"])
         .of_same_node()
-        .spanning(SETTLE),
-];
+        .spanning(SETTLE)];
 
 /// an SDO client asks a node that has not booted yet
 ///

@@ -1,4 +1,3 @@
-use crate::{NodeId, PerNode};
 use crate::findings::effect::{Effect, SETTLE};
 use crate::findings::facts::{Pending, RequestEvent};
 use crate::findings::rule::Rule;
@@ -9,6 +8,7 @@ use crate::network::Cause;
 use crate::network::sdo::ChannelIndex;
 use crate::wire::error_control::State;
 use crate::wire::sdo::Request;
+use crate::{NodeId, PerNode};
 use canvass_macros::rule;
 use canvass_traces::Duration;
 

@@ -81,7 +81,8 @@ impl Rule for Unfinished {
     fn finish(&mut self, scene: &Scene<'_>, sink: &mut Sink<'_>) {
         for (node, transfer) in scene.bus.open_transfers() {
             let silence = scene.now.since(transfer.latest);
-            let pending = |(_, pending): (_, &crate::findings::facts::Pending)| pending.request.decoded.node == Some(node);
+            let pending =
+                |(_, pending): (_, &crate::findings::facts::Pending)| pending.request.decoded.node == Some(node);
             if silence <= self.wait || !is_answered(transfer) || scene.facts.requests.open().any(pending) {
                 continue;
             }
