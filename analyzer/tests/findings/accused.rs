@@ -146,12 +146,13 @@ fn requests_before_the_first_boot_up_are_too_early() {
     for ms in [10, 1_010, 2_010, 3_010] {
         traffic.at(ms, "620#4000100000000000").at(ms + 500, "620#8000100000000405");
     }
-    traffic.at(4_200, "720#00");
+    traffic.at(4_200, "720#00").at(4_202, "0A0#1081110000000000").at(4_300, "0A0#0000000000000000");
     for ms in [4_203, 4_204, 4_205, 4_206] {
         traffic.at(ms, "5A0#4300100092010200");
     }
-    let found = traffic.finds_among(&["sdo/too-early", "sdo/aborted"], "sdo/too-early", Some(32), 10);
-    assert_eq!(found.count, 4);
+    let rules = ["sdo/too-early", "sdo/aborted", "emcy/raised"];
+    let found = traffic.finds_among(&rules, "sdo/too-early", Some(32), 10);
+    assert_eq!((found.count, traffic.results().stories.len()), (4, 1));
     assert!(found.message.contains("before the node's first boot-up message, the first of 4"), "{}", found.message);
 }
 
@@ -176,6 +177,18 @@ fn unanswered_requests_are_told_although_the_node_speaks_later() {
     traffic.at(1_000, "606#4005100000000000").at(2_000, "606#4005100000000000").at(5_000, "706#7F");
     let found = traffic.finds("sdo/unanswered", Some(6), 1_000);
     assert!(found.message.contains("the node sends its first message 3.99"), "{}", found.message);
+}
+
+/// The answer comes on the CAN-ID of the requests.
+#[test]
+fn an_answer_on_the_wrong_can_id() {
+    let mut traffic = Traffic::default();
+    for ms in [1_000, 2_000] {
+        traffic.at(ms, "606#4005100000000000").at(ms + 2, "606#4305100080000000");
+    }
+    traffic.at(5_000, "706#7F");
+    let found = traffic.finds_among(&["sdo/unanswered", "sdo/reserved-bits"], "sdo/unanswered", Some(6), 1_000);
+    assert!(found.message.contains("looks like the answer followed on the request's own CAN-ID"), "{}", found.message);
 }
 
 #[test]

@@ -1,17 +1,23 @@
 use crate::PerNode;
-use crate::findings::effect::{Effect, SETTLE};
+use crate::findings::effect::{Effect, SETTLE, SOON};
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen};
 use crate::message::{Message, Service};
 use crate::wire::sdo::Request;
 use canvass_macros::rule;
+use canvass_traces::Duration;
 
-/// Effects: reactions of the client, and answers that come from the node's queue.
-const EFFECTS: &[Effect] =
-    &[Effect::on(&["sdo/aborted", "sdo/retries", "sdo/late", "sdo/unanswered", "sdo/protocol-violation"])
+/// EMCY codes of a node whose receive buffer was full when it started: overrun, communication.
+const OF_RECEPTION: &[u64] = &[0x8110, 0x8100];
+
+/// Effects: reactions of the client, answers that come from the node's queue, and an overrun of that queue.
+const EFFECTS: &[Effect] = &[
+    Effect::on(&["sdo/aborted", "sdo/retries", "sdo/late", "sdo/unanswered", "sdo/protocol-violation"])
         .of_same_node()
-        .spanning(SETTLE)];
+        .spanning(SETTLE),
+    Effect::on(&["emcy/raised"]).of_same_node().with_codes(OF_RECEPTION).during(Duration::ZERO, SOON),
+];
 
 /// an SDO client asks a node that has not booted yet
 ///

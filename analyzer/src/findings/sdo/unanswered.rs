@@ -83,6 +83,16 @@ fn tell(
     sink.report(report.evidence(pending.request.evidence()), || format!("{message}{also}"));
 }
 
+/// Whether a message on the client's CAN-ID looks like the server's answer to a read request: a read request has no
+/// bits set after its command specifier.
+fn is_misplaced_answer(pending: &Pending, context: &Context<'_>) -> bool {
+    const SPECIFIER: u8 = 0xE0;
+    let reads = |message: &Message| matches!(message, Message::SdoRequest(Request::InitiateUpload { .. }));
+    let has_size = context.record.frame.data().first().is_some_and(|command| command & !SPECIFIER != 0);
+    let same = pending.object.is_some() && pending.object == context.decoded.object;
+    same && has_size && reads(context.message()) && reads(&pending.request.decoded.message)
+}
+
 impl Unanswered {
     /// Maximum number of abandoned requests whose answers are awaited.
     const MOST: usize = 64;
@@ -93,6 +103,11 @@ impl Unanswered {
         let aborts = matches!(context.message(), Message::SdoRequest(Request::Abort(_)));
         if aborts && waited < self.patience {
             return;
+        }
+        if is_misplaced_answer(pending, context) {
+            let why =
+                format!("a message that looks like the answer followed on the request's own CAN-ID after {waited}");
+            return tell(&mut self.absent, pending, &why, context.scene, sink);
         }
         if waited < TWO_CLIENTS && !aborts {
             let why = format!("another one followed after {waited}, as if two clients used this channel");
