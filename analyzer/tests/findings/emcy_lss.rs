@@ -158,3 +158,12 @@ fn layer_settings_stored_again_and_again() {
     }
     traffic.at(17_000, "7E5#0400000000000000").finds("lss/store-wear", None, 5_103);
 }
+
+/// A master sends its requests on the CAN-ID of the slaves.
+#[test]
+fn lss_requests_on_the_wrong_can_id() {
+    let mut traffic = machine();
+    traffic.at(2_000, "7E4#0401000000000000").at(2_500, "7E4#0400000000000000");
+    let finding = traffic.finds_among(&["lss/dialogue"], "lss/dialogue", None, 2_000);
+    assert!(finding.message.contains("on 7E4h, the CAN-ID of the slaves"), "{}", finding.message);
+}
