@@ -133,6 +133,15 @@ fn a_pdo_with_an_event_timer_that_stops() {
     assert!(found.message.contains("its event timer is 100 ms"), "{}", found.message);
 }
 
+/// A node without a heartbeat falls silent: its PDO is all that shows it.
+#[test]
+fn a_node_without_heartbeat_that_falls_silent() {
+    let mut traffic = stops(|_| "0102030405060708".to_owned());
+    traffic.remove(|_, frame| frame.cob_id() == Some(0x702)).at(1, "000#0102");
+    let found = traffic.finds("pdo/ended", Some(2), 19_902);
+    assert!(found.message.ends_with("nor does the node send anything else"), "{}", found.message);
+}
+
 #[test]
 fn a_pdo_that_stays_away_for_a_while() {
     let mut traffic = stops(|_| "0102030405060708".to_owned());

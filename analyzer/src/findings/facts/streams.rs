@@ -10,7 +10,7 @@ use canvass_traces::{Duration, Record, Timestamp};
 /// The TPDOs of all nodes.
 #[derive(Default)]
 pub struct Streams {
-    nodes: PerNode<[Stream; TPDOS]>,
+    nodes: PerNode<Option<Box<[Stream; TPDOS]>>>,
     /// Time of the last RPDO to each node, and the number of RPDOs.
     received: PerNode<Option<(Timestamp, u32)>>,
     /// Time of the last SYNC.
@@ -200,17 +200,13 @@ impl Streams {
     }
 
     fn slot(&mut self, node: NodeId, number: u16) -> Option<&mut Stream> {
-        self.nodes[node].get_mut(usize::from(number).checked_sub(1)?)
-    }
-
-    /// A TPDO, by its number from 1.
-    pub fn of(&self, node: NodeId, number: u16) -> Option<&Stream> {
-        self.nodes[node].get(usize::from(number).checked_sub(1)?)
+        self.nodes[node].get_or_insert_default().get_mut(usize::from(number).checked_sub(1)?)
     }
 
     /// All TPDOs: node, number from 1.
     pub fn all(&self) -> impl Iterator<Item = (NodeId, u16, &Stream)> {
-        self.nodes.iter().flat_map(|(node, rows)| (1..).zip(rows).map(move |(number, row)| (node, number, row)))
+        let known = self.nodes.iter().filter_map(|(node, rows)| Some((node, rows.as_deref()?)));
+        known.flat_map(|(node, rows)| (1..).zip(rows).map(move |(number, row)| (node, number, row)))
     }
 
     /// Time of the last RPDO to a node that receives RPDOs again and again.
@@ -223,12 +219,14 @@ impl Streams {
     #[cold]
     pub(super) fn restart(&mut self, node: u8) {
         for (_, rows) in self.nodes.named_mut(node) {
-            rows.iter_mut().for_each(|row| *row = Stream { polled: row.polled, ..Stream::default() });
+            let rows = rows.iter_mut().flat_map(|rows| rows.iter_mut());
+            rows.for_each(|row| *row = Stream { polled: row.polled, ..Stream::default() });
         }
     }
 
     /// Tells that frames may be missing here.
     pub(super) fn interrupted(&mut self) {
-        self.nodes.values_mut().flatten().for_each(|row| row.last = None);
+        let rows = self.nodes.values_mut().flatten().flat_map(|rows| rows.iter_mut());
+        rows.for_each(|row| row.last = None);
     }
 }

@@ -11,7 +11,7 @@ use canvass_traces::{Duration, Timestamp};
 /// a cyclic PDO does not come any more
 ///
 /// A TPDO stays away for many of its periods, until the capture ends or until it comes again, while its node is
-/// operational and sends other messages. The period is the event timer (180xh:5) that the SDO traffic of the capture
+/// operational and sends other messages, or has never sent a heartbeat. The period is the event timer (180xh:5) that the SDO traffic of the capture
 /// shows, or learned: 30 regular intervals, some of them with unchanged data, so that a timer has sent them and no
 /// event. A learned period is a warning only, and is not judged where SYNC, the RPDOs to the node or PDOs of other nodes
 /// end at the same time: these are the reason then. NMT commands, boot-ups and changes of the parameters begin anew.
@@ -45,6 +45,11 @@ struct Silence {
 impl Silence {
     fn length(&self, scene: &Scene<'_>) -> Duration {
         scene.now.since(self.since)
+    }
+
+    /// Whether the node has sent anything since.
+    fn node_lives(&self, scene: &Scene<'_>) -> bool {
+        scene.facts.node(self.node).last_seen.is_some_and(|seen| seen > self.since)
     }
 
     /// Whether something else that ended at the same time explains the silence.
@@ -82,9 +87,10 @@ impl Ended {
             let silence = Silence { node, number, since, period, told: timer.is_some() };
             let share = if silence.told { self.percent } else { Percent(1_000) };
             let length = silence.length(scene);
-            let lives = scene.facts.node(node).last_seen.is_some_and(|seen| seen > since);
+            // The silence of a node that sends heartbeats is reported as the loss of the node.
+            let counts = silence.node_lives(scene) || scene.facts.heartbeats.of(node).period().is_none();
             let is_long = length > share.of(period) + scene.slack() && length > self.least;
-            (is_long && lives && Self::must_send(node, scene)).then_some(silence)
+            (is_long && counts && Self::must_send(node, scene)).then_some(silence)
         };
         scene.facts.streams.all().filter_map(silence).collect()
     }
@@ -99,11 +105,11 @@ impl Rule for Ended {
         };
         // What is later than its event timer is reported by pdo/period.
         let length = context.now().since(since);
-        let lived = context.scene.facts.node(node).last_seen.is_some_and(|seen| seen > since);
-        if parameters.event_timer.is_some() || length <= self.least || !lived || !Self::must_send(node, context.scene) {
+        let silence = Silence { node, number, since, period, told: false };
+        let is_short = parameters.event_timer.is_some() || length <= self.least;
+        if is_short || !silence.node_lives(context.scene) || !Self::must_send(node, context.scene) {
             return;
         }
-        let silence = Silence { node, number, since, period, told: false };
         if silence.is_explained(&[], context.scene) {
             return;
         }
@@ -129,7 +135,8 @@ impl Rule for Ended {
                 let source = if told { "its event timer is" } else { "before it came every" };
                 let pdo = PdoNumber::Transmit(number);
                 let length = silence.length(scene);
-                format!("{pdo} does not come for the last {length} of the capture; {source} {period}")
+                let also = if silence.node_lives(scene) { "" } else { "; nor does the node send anything else" };
+                format!("{pdo} does not come for the last {length} of the capture; {source} {period}{also}")
             });
         }
     }
