@@ -102,7 +102,7 @@ fn a_pdo_that_stops_is_learned() {
 /// Events send a PDO as often as its inhibit time allows, until its value rests.
 #[test]
 fn a_value_that_rests_is_no_pdo_that_stops() {
-    stops(|n| hex(n)).only(&[]);
+    stops(hex).only(&[]);
 }
 
 #[test]

@@ -105,11 +105,10 @@ impl Rule for ReservedBits {
             _ => None,
         };
         let is_answer = matches!(context.message(), Message::SdoResponse(_));
-        if is_answer && let Some((seen, held)) = channel.held.take().map(|held| *held) {
-            if seen.decoded.object.is_some() && seen.decoded.object == object {
-                channel.begun = true;
-                tell(&seen, held, context, sink);
-            }
+        let held = if is_answer { channel.held.take().map(|held| *held) } else { None };
+        if let Some((seen, held)) = held.filter(|(seen, _)| object.is_some() && seen.decoded.object == object) {
+            channel.begun = true;
+            tell(&seen, held, context, sink);
         }
         channel.begun |= !is_answer && object.is_some() && fault.is_none();
         let Some(fault) = fault else { return };
