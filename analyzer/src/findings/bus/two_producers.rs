@@ -25,8 +25,8 @@ const EFFECTS: &[Effect] = &[
 /// SYNC or TIME comes at intervals that alternate between a long and a short one, again and again, or two series of
 /// SYNC counters are mixed: there are two producers with the same period. A TPDO that the SDO traffic of the capture
 /// shows to be cyclic comes twice in its cycle, again and again: after each SYNC, or within its event timer at
-/// intervals that together are the event timer. Where nothing is known of a TPDO, its period is learned: a TPDO that then
-/// comes twice in each period, at intervals that together are the period, has probably two senders.
+/// intervals that together are the event timer. Where nothing is known of a TPDO, its period is learned: a TPDO that
+/// then comes twice in each period, at intervals that together are the period, has probably two senders.
 ///
 /// # Why
 /// Everything synchronous happens twice in a cycle, and at changing distances; of a PDO, consumers take the values of
@@ -158,8 +158,8 @@ impl TwoProducers {
         let report = Report::at(context.now()).node(node).detail(u64::from(number)).severity(Severity::Warning);
         let report = report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence());
         sink.report(report, || {
-            let period = first + second;
-            format!("TPDO {number} came every {period}, and now after {first} and after {second} in turn: two devices send it")
+            let turns = format!("after {first} and after {second} in turn");
+            format!("TPDO {number} came every {}, and now {turns}: two devices send it", first + second)
         });
     }
 

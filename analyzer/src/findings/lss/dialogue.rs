@@ -10,8 +10,8 @@ use canvass_traces::Duration;
 /// an LSS dialogue goes wrong
 ///
 /// An answer on 7E4h belongs to another service than the request before it, or nobody has asked, or several slaves
-/// answer what one slave is asked. Identify and Fastscan may have several answers. A request on 7E4h comes from a master
-/// with the wrong CAN-ID.
+/// answer what one slave is asked. Identify and Fastscan may have several answers. A request on 7E4h comes from a
+/// master with the wrong CAN-ID.
 ///
 /// # Why
 /// Several slaves in configuration state all take the node-ID and the bit rate that follow: two devices end up with one

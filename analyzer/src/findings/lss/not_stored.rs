@@ -10,8 +10,8 @@ use canvass_macros::rule;
 /// a node-ID or bit rate was changed and not stored
 ///
 /// An LSS or LMT slave has taken a new node-ID or bit rate, and is switched back to waiting, or the capture ends,
-/// without an answered store. A refused store is reported by lss/refused. Where the master uses Fastscan, this is only worth knowing: such masters assign node-IDs
-/// at every start.
+/// without an answered store. A refused store is reported by lss/refused. Where the master uses Fastscan, this is only
+/// worth knowing: such masters assign node-IDs at every start.
 ///
 /// # Why
 /// At the next power-on the device is back at its old node-ID and bit rate, often after the technician has left.

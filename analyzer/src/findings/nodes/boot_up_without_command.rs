@@ -13,8 +13,8 @@ const EFFECTS: &[Effect] = &super::restart::effects(Effect::never_on(&["nodes/bo
 ///
 /// A boot-up message of a node that was already running, and that no NMT reset command, LSS service or program control
 /// (1F51h) explains. The first boot-up in a capture is not reported: the node was switched on. Of two boot-ups after
-/// one reset command the second one is, unless the device sends two within half a second at each of its starts. Within ten seconds of a store, a boot-up is taken for the power cycle that
-/// makes stored parameters take effect.
+/// one reset command the second one is, unless the device sends two within half a second at each of its starts. Within
+/// ten seconds of a store, a boot-up is taken for the power cycle that makes stored parameters take effect.
 ///
 /// # Why
 /// The node has restarted: a dip of its supply, its watchdog, or bus-off recovery. It is in pre-operational with its

@@ -23,8 +23,8 @@ fn may_be_silent(device_type: u32) -> bool {
 /// a node does not come back after a reset
 ///
 /// A node that was on the bus is reset by an NMT command, and sends nothing more until the capture ends. A node that
-/// sends other messages again but no boot-up is reported only if it has sent one before: old devices, and those of
-/// some profiles, have none. Nor is a device whose profile lets its type (1000h) come up silently, if nobody asks it for
+/// sends other messages again but no boot-up is reported only if it has sent one before: old devices, and those of some
+/// profiles, have none. Nor is a device whose profile lets its type (1000h) come up silently, if nobody asks it for
 /// anything after its reset, nor one that comes back with the node-ID that LSS has given it, nor the NMT master, which
 /// does not hear its own commands to all nodes.
 ///

@@ -11,10 +11,11 @@ use canvass_traces::{Duration, Timestamp};
 /// a cyclic PDO does not come any more
 ///
 /// A TPDO stays away for many of its periods, until the capture ends or until it comes again, while its node is
-/// operational and sends other messages, or has never sent a heartbeat. The period is the event timer (180xh:5) that the SDO traffic of the capture
-/// shows, or learned: 30 regular intervals, some of them with unchanged data, so that a timer has sent them and no
-/// event. A learned period is a warning only, and is not judged where SYNC, the RPDOs to the node or PDOs of other nodes
-/// end at the same time: these are the reason then. NMT commands, boot-ups and changes of the parameters begin anew.
+/// operational and sends other messages, or has never sent a heartbeat. The period is the event timer (180xh:5) that
+/// the SDO traffic of the capture shows, or learned: 30 regular intervals, some of them with unchanged data, so that a
+/// timer has sent them and no event. A learned period is a warning only, and is not judged where SYNC, the RPDOs to the
+/// node or PDOs of other nodes end at the same time: these are the reason then. NMT commands, boot-ups and changes of
+/// the parameters begin anew.
 ///
 /// # Why
 /// The consumer goes on with the last value, and often nobody notices: the node itself looks healthy.
