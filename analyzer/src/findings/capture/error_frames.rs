@@ -32,12 +32,17 @@ const EFFECTS: &[Effect] = &[Effect::on(&["capture/error-passive"])];
 #[rule(id = "capture/error-frames", severity = Warning, rank = State, services = [ErrorFrame], leads_to = EFFECTS)]
 struct ErrorFrames;
 
+/// Whether the frame reports an error on the bus.
+pub fn is_error(error: &ErrorFrame) -> bool {
+    let warning = error.class.0 & CONTROLLER != 0 && error.detail[1] & WARNING != 0;
+    // Other tools record only that there was an error, without any class.
+    error.class.0 & ERRORS != 0 || warning || error.class.0 == 0
+}
+
 impl Rule for ErrorFrames {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         let Some(error) = ErrorFrame::of(&context.record.frame) else { return };
-        let warning = error.class.0 & CONTROLLER != 0 && error.detail[1] & WARNING != 0;
-        // Other tools record only that there was an error, without any class.
-        if error.class.0 & ERRORS == 0 && !warning && error.class.0 != 0 {
+        if !is_error(&error) {
             return;
         }
         let report = Report::at(context.now()).detail(u64::from(error.class.0)).evidence(context.evidence());

@@ -2,13 +2,16 @@ use super::exchange::{Sender, answer_to, command, own_command, sender, wants_ans
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen};
+use crate::message::Message;
+use crate::wire::lss::Response;
 use canvass_macros::rule;
 use canvass_traces::Duration;
 
 /// an LSS dialogue goes wrong
 ///
 /// An answer on 7E4h belongs to another service than the request before it, comes without a request, or several slaves
-/// answer a request to one slave. Identify and Fastscan may have several answers.
+/// answer a request to one slave. Identify and Fastscan may have several answers. Or a request is sent on 7E4h: its
+/// master uses the wrong CAN-ID.
 ///
 /// # Why
 /// All slaves in configuration state accept the node-ID and the bit rate that follow, so that two devices get the same
@@ -23,9 +26,21 @@ struct Dialogue {
     answer: Option<Seen>,
 }
 
+/// Whether only a request has this command specifier: switch state, activate bit timing, identify, Fastscan.
+const fn is_request(command: u8) -> bool {
+    matches!(command, 0x04 | 0x15 | 0x40..=0x43 | 0x46..=0x4C | 0x51)
+}
+
 impl Dialogue {
     fn answered(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         let message = context.message();
+        if matches!(message, Message::LssResponse(Response::Unknown { .. })) && is_request(own_command(context)) {
+            let report = Report::at(context.now()).detail(4).evidence(context.evidence());
+            return sink.report(report, || {
+                let command = own_command(context);
+                format!("the request {command:02X}h on 7E4h, the CAN-ID of the slaves: a master sends on 7E5h")
+            });
+        }
         let Some(request) = &self.request else {
             // The request may have preceded the capture.
             if context.now().since(context.scene.start) > Duration::from_secs(1) {

@@ -10,8 +10,8 @@ use canvass_macros::rule;
 /// a node-ID or bit rate was changed and not stored
 ///
 /// An LSS or LMT slave has accepted a new node-ID or bit rate, and is switched back to waiting, or the capture ends,
-/// without a successful store. If the master uses Fastscan, the severity is info: such masters assign node-IDs at
-/// every start.
+/// without an answered store. The rule lss/refused reports a refused store. If the master uses Fastscan, the severity
+/// is info: such masters assign node-IDs at every start.
 ///
 /// # Why
 /// At the next power-on the device has its old node-ID and bit rate again, often after the technician has left.
@@ -57,7 +57,8 @@ impl Rule for NotStored {
                 }
             }
             Some(Sender::Slave) => match configured(message) {
-                Some((ConfigureCommand::Store, 0)) => self.changed = [None, None],
+                // A refusal has a finding of its own.
+                Some((ConfigureCommand::Store, _)) => self.changed = [None, None],
                 Some((setting @ (ConfigureCommand::NodeId | ConfigureCommand::BitTiming), 0)) => {
                     let at = usize::from(setting == ConfigureCommand::BitTiming);
                     self.changed[at] = Some(context.seen());

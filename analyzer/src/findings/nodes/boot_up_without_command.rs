@@ -13,8 +13,9 @@ const EFFECTS: &[Effect] = &super::restart::effects(Effect::never_on(&["nodes/bo
 ///
 /// A node that was already running sends a boot-up message, and no NMT reset command, LSS service or program control
 /// (1F51h) explains it. The first boot-up in a capture is not reported, because the node was switched on. If two
-/// boot-ups follow one reset command, the second one is reported. A boot-up within ten seconds after a store counts as
-/// the power cycle that makes stored parameters take effect.
+/// boot-ups follow one reset command, the second one is reported, unless the device sends two within half a second at
+/// each of its starts. A boot-up within ten seconds after a store counts as the power cycle that makes stored parameters
+/// take effect.
 ///
 /// # Why
 /// The node has restarted, because of a dip of its supply, its watchdog, or bus-off recovery. It is in pre-operational
@@ -48,6 +49,7 @@ pub fn is_explained(context: &Context<'_>, node: NodeId, facts: &NodeFacts) -> b
         || after_boot_up(context.scene.facts.layer_setting)
         || after_boot_up(facts.last_program_control)
         || after_boot_up(facts.last_store)
+        || facts.repeats_boot_up(context.now())
 }
 
 impl Rule for BootUpWithoutCommand {

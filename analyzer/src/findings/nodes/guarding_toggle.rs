@@ -15,7 +15,7 @@ use canvass_macros::rule;
 ///
 /// # What to do
 /// The device is faulty, unless two masters guard the same node: then each master evaluates only every second answer.
-#[rule(id = "nodes/guarding-toggle", severity = Error, rank = Detail, services = [Guarding, BootUp, Nmt])]
+#[rule(id = "nodes/guarding-toggle", severity = Error, rank = State, services = [Guarding, BootUp, Nmt])]
 struct GuardingToggle {
     nodes: PerNode<Option<bool>>,
     asked: PerNode<bool>,

@@ -11,7 +11,7 @@ use canvass_traces::{Duration, Timestamp};
 
 /// Effects: nodes that miss the lost node, and its own messages before and after.
 const EFFECTS: &[Effect] = &[
-    Effect::never_on(&["nodes/lost", "bus/load", "bus/duplicate-node-id"]),
+    Effect::never_on(&["nodes/lost", "bus/load", "bus/duplicate-node-id", "lss/left-in-configuration"]),
     Effect::on(&["nodes/consumer-time"]).of_origin().during(SOON, SOON),
     Effect::on(&["pdo/sync-missing"]).during(SOON, Duration::ZERO),
     Effect::on(&["capture/error-frames", "capture/error-passive"]).during(SETTLE, SETTLE),

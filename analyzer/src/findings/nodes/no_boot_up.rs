@@ -53,6 +53,14 @@ impl NoBootUp {
     }
 }
 
+impl NoBootUp {
+    /// Whether the reset was meant for the node: the NMT master does not hear its own command to all nodes. A node
+    /// whose heartbeat has ended with the command has heard it.
+    fn concerns(&self, node: NodeId, sends_heartbeat: bool, scene: &Scene<'_>) -> bool {
+        self.resets[node].is_some() || sends_heartbeat || scene.facts.node(node).is_slave
+    }
+}
+
 impl Rule for NoBootUp {
     fn frame(&mut self, context: &Context<'_>, _: &mut Sink<'_>) {
         let Message::Nmt(nmt) = context.message() else { return };
@@ -81,7 +89,7 @@ impl Rule for NoBootUp {
             if scene.facts.outage(node, scene.now).is_some() {
                 continue;
             }
-            if !is_silent && waited && facts.is_silent_since_reset() {
+            if !is_silent && waited && facts.is_silent_since_reset() && self.concerns(node, period.is_some(), scene) {
                 sink.report(Report::at(reset).node(node).evidence(self.reset_of(node)), || {
                     format!("nothing more was received in the {} after its reset", scene.now.since(reset))
                 });

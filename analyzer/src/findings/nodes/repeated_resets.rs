@@ -45,6 +45,9 @@ impl Rule for RepeatedResets {
         if context.scene.facts.node(node).last_seen.is_none() || !context.scene.has_times() {
             return;
         }
+        if context.scene.facts.node(node).repeats_boot_up(context.now()) {
+            return;
+        }
         if is_explained(context, node, context.scene.facts.node(node)) {
             *restarts = Restarts::default();
             return;

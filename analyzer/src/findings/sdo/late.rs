@@ -15,7 +15,8 @@ const EFFECTS: &[Effect] = &[
 /// an SDO server answers late
 ///
 /// The answer to an SDO request comes later than usual timeouts allow, measured from the first transmission of the
-/// request. Storing and restoring parameters may take longer.
+/// request. Storing and restoring parameters may take longer. The rule sdo/too-early reports requests before the node's
+/// boot-up.
 ///
 /// # Why
 /// Many clients give up after 500 ms, repeat the request, and then take the late answer for the answer to the next
@@ -61,6 +62,9 @@ impl Rule for Late {
             RequestEvent::AnsweredLate { pending, gave_up, .. } => (pending, Some(*gave_up)),
             _ => return,
         };
+        if context.scene.was_asked_too_early(pending) {
+            return;
+        }
         let limit = Limits { answer: self.answer, store: self.store }.of(pending);
         // The time counts from the first of repeated requests.
         let asked = pending.request.time();
