@@ -26,7 +26,7 @@ const EFFECTS: &[Effect] = &[
 /// boot-up is reported as a fault of the node.
 ///
 /// # Why
-/// A node has no SDO server before it has booted. The client runs into its time-out, or the node answers the queued
+/// A node has no SDO server before it has booted. The client runs into its timeout, or the node answers the queued
 /// requests later, when the client does not expect them any more.
 ///
 /// # What to do

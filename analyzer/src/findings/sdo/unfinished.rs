@@ -20,10 +20,10 @@ const EFFECTS: &[Effect] = &[Effect::on(&["sdo/protocol-violation", "sdo/aborted
 ///
 /// # Why
 /// Of a value that is written only a part has arrived: what the device has of it is not defined. Of a value that is read
-/// the client has a part at most. The server may refuse other requests until its own time-out is over.
+/// the client has a part at most. The server may refuse other requests until its own timeout is over.
 ///
 /// # What to do
-/// Look for the reason in the client: a time-out of the whole transfer, a buffer that is too small, or a client that
+/// Look for the reason in the client: a timeout of the whole transfer, a buffer that is too small, or a client that
 /// takes the announcement of segments for the value. It must abort a transfer that it does not finish.
 #[rule(id = "sdo/unfinished", severity = Warning, rank = Transfer, services = [Sdo], leads_to = EFFECTS)]
 struct Unfinished {
