@@ -12,7 +12,7 @@ import live
 import proof
 from lockstep import Lockstep
 from matrix import SAMPLE, WHOLE, try_all
-from situation import SITUATIONS
+from situation import FORGETFUL, SITUATIONS, situations_of
 from stand import Stand
 from table import in_full, shortest, table
 from trial import Trial
@@ -35,13 +35,6 @@ def arguments():
     return parser.parse_args()
 
 
-REFUSED = {
-    "tr-c65": "reset node sets its profile to defaults, whatever is stored: set up otherwise, it is not tested",
-    "tr-lmp30": "as tr-c65",
-}
-"""Models on which no run may begin in these situations, and why: all change objects of the profile."""
-
-
 def main():
     logging.disable(logging.ERROR)
     options = arguments()
@@ -61,7 +54,6 @@ def main():
     if options.all and options.canvass:
         outcomes += live.kills(options.canvass, options.descriptions, catalogue, models, options.seed)
     idle = [model for model in models if not any(outcome.began for outcome in outcomes if outcome.trial.model == model)]
-    idle = [model for model in idle if model not in REFUSED]
     if idle:
         print(f"nothing is known: no run began on {', '.join(idle)}")
         return 2
@@ -96,15 +88,19 @@ def matrix(options, catalogue, models):
     jobs = [
         (options.lockstep, options.descriptions, model, situation, catalogue, extent, options.seed)
         for number, model in enumerate(models)
-        for situation in (SITUATIONS if options.all else sampled(number + options.seed))
+        for situation in (situations_of(model) if options.all else sampled(model, number + options.seed))
     ]
     with multiprocessing.Pool() as pool:
         return [outcome for outcomes in pool.imap(try_all, jobs, chunksize=1) for outcome in outcomes]
 
 
-def sampled(number):
-    """Two situations, one of them with a switch: some devices are not tested without."""
-    kinds = [[name for name, situation in SITUATIONS.items() if situation.has_switch is has] for has in (True, False)]
+def sampled(model, number):
+    """Two situations, one of them with a switch: some devices are not tested without. A model that begins in one only has
+    that one."""
+    if model in FORGETFUL:
+        return [name for name in situations_of(model) if not SITUATIONS[name].has_profile]
+    known = situations_of(model)
+    kinds = [[name for name in known if SITUATIONS[name].has_switch is has] for has in (True, False)]
     return [names[number % len(names)] for names in kinds]
 
 

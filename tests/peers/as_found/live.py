@@ -15,7 +15,7 @@ import can
 import canopen
 
 from judge import Judge
-from situation import SITUATIONS, course, prepare, turned
+from situation import FORGETFUL, SITUATIONS, course, prepare, turned
 from subject import Silent, Subject
 from trial import Trial
 
@@ -26,7 +26,7 @@ UNREACHABLE = 3
 """The status of a program whose device does not answer."""
 
 KILLS = 10
-SITUATION = "both"
+SITUATION, OF_FORGETFUL = "both", "communication"
 CASES = 12
 """How many cases a run has: those that touch something, so that most kills come at one."""
 LONGEST = 15.0
@@ -101,19 +101,17 @@ def kills(canvass, descriptions, catalogue, models, seed):
     dice = random.Random(f"{seed} processes")
     touching = [case["id"] for case in catalogue["cases"] if case["touches"]]
     words = tuple(catalogue["words"])
-    trials = [
-        Trial(
-            dice.choice(models),
-            SITUATION,
-            words,
-            "all",
-            tuple(sorted(dice.sample(touching, CASES))),
-            seconds=round(dice.uniform(0, LONGEST), 2),
-        )
-        for _ in range(KILLS)
-    ]
+    trials = [_trial(dice, models, words, touching) for _ in range(KILLS)]
     with multiprocessing.pool.ThreadPool(KILLS) as pool:
         return pool.map(lambda trial: kill(canvass, descriptions, trial), trials)
+
+
+def _trial(dice, models, words, touching):
+    """A run that is killed at a random moment."""
+    model = dice.choice(models)
+    situation = OF_FORGETFUL if model in FORGETFUL else SITUATION
+    select = tuple(sorted(dice.sample(touching, CASES)))
+    return Trial(model, situation, words, "all", select, seconds=round(dice.uniform(0, LONGEST), 2))
 
 
 def kill(canvass, descriptions, trial):

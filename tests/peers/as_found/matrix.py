@@ -3,7 +3,7 @@
 import dataclasses
 import random
 
-from situation import SITUATIONS
+from situation import SITUATIONS, situations_of
 from stand import Stand
 from trial import Trial
 
@@ -72,7 +72,10 @@ class Matrix:
     def _others(self, ran):
         """This situation's share of the cases that touch nothing. None where runs do not begin, and none where the shaft turns:
         to wait until it is at rest takes time."""
-        sharing = [name for name, each in SITUATIONS.items() if not each.turns and not each.has_zero_point]
+        kinds = {name: SITUATIONS[name] for name in situations_of(self._stand.model)}
+        sharing = [name for name, each in kinds.items() if not each.turns and not each.has_zero_point]
+        # What begins only with its profile as delivered has all of them there.
+        sharing = [name for name in sharing if not kinds[name].has_profile] or sharing
         if self._stand.situation not in sharing:
             return []
         others = [case for case in ran if not self._touches[case]]

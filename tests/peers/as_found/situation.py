@@ -18,6 +18,8 @@ class Situation:
     """Other values were given to them later, and not stored."""
     state: str | None
     """The NMT state that was commanded."""
+    has_profile: bool = True
+    """Objects of the profile and the manufacturer are among the settings, not only those of the communication."""
     is_scaled: bool = True
     """The scaling is among them."""
     has_zero_point: bool = False
@@ -45,7 +47,20 @@ SITUATIONS = {
     "both": Situation(is_stored=True, is_working=True, state=OPERATIONAL, has_switch=True),
     "preset": Situation(is_stored=True, is_working=True, state=OPERATIONAL, has_zero_point=True),
     "turning": Situation(is_stored=True, is_working=True, state=None, has_switch=True, turns=True),
+    "communication": Situation(is_stored=True, is_working=True, state=OPERATIONAL, has_profile=False),
 }
+
+FORGETFUL = {
+    "tr-c65": "reset node sets its profile to defaults, whatever is stored: set up otherwise, it is not tested",
+    "tr-lmp30": "as tr-c65",
+}
+"""Models on which a run begins only if their profile is as delivered, and why."""
+
+
+def situations_of(model):
+    """The situations of a model; in the one without profile only models that need it."""
+    return [name for name, situation in SITUATIONS.items() if situation.has_profile or model in FORGETFUL]
+
 
 MOVES, MOVED = 25, 27
 """Seconds after power-on: the device is set up before, and the run comes after."""
@@ -126,11 +141,11 @@ def prepare(subject, model, name):
     subject.network.hear(3)
     taken = 0
     if situation.is_stored:
-        taken += _write_all(subject, model, lambda pair: pair.stored, is_scaled=True, has_zero_point=True)
+        taken += _write_all(subject, model, lambda pair: pair.stored, situation, situation.has_profile)
         subject.node.store()
         subject.network.hear(4)
     if situation.is_working:
-        taken += _write_all(subject, model, lambda pair: pair.working, situation.is_scaled, situation.has_zero_point)
+        taken += _write_all(subject, model, lambda pair: pair.working, situation, situation.has_zero_point)
     if taken < LEAST:
         raise Unfit(f"{model} took only {taken} settings")
     if subject.network.now() - began >= MOVES:
@@ -140,9 +155,10 @@ def prepare(subject, model, name):
     subject.network.hear(MOVED + 1 - (subject.network.now() - began))
 
 
-def _write_all(subject, model, of, is_scaled, has_zero_point):
+def _write_all(subject, model, of, situation, has_zero_point):
     """Gives each setting the one or the other value; how many the device took."""
-    written = [(at, of(pair)) for at, pair in _settings(subject, model) if is_scaled or at[0] not in SCALING]
+    settings = [(at, of(pair)) for at, pair in _settings(subject, model) if situation.has_profile or at[0] < 0x2000]
+    written = [(at, value) for at, value in settings if situation.is_scaled or at[0] not in SCALING]
     taken = sum(subject.write(*at, subject.encode(at, value)) for at, value in written)
     taken += _map(subject, of(Pair(-1, -2)))
     presets = [(index, of(pair)) for index, pair in PRESETS.items() if why_acting(model, index)]

@@ -4,7 +4,7 @@ use super::tpdo_events::{Subject, operational, subject};
 use crate::bench::Bench;
 use crate::bench::pdo::TPDO;
 use crate::case;
-use crate::verdict::{Allowed, Breach, Judged, Reason, Stop, demand};
+use crate::verdict::{Allowed, Breach, Judged, Lack, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::wire::sdo::Request;
 use canvass_bus::observation::Observation;
@@ -24,8 +24,7 @@ fn pending(bench: &mut Bench<'_>) -> Judged {
     let [before, other] = &subject.values;
     let first = change(bench, subject.at, other, subject.can_id)?;
     if !has(&first, other) {
-        let reason = Reason::new("a change of its value sends TPDO 1", "a TPDO with the new value", "none at once");
-        return Err(Stop::NotApplicable(reason));
+        return Err(sends_no_change_at_once(bench, &subject)?);
     }
     let mut heard = change(bench, subject.at, before, subject.can_id)?;
     heard.extend(bench.frames_of(subject.can_id, INHIBIT.times(2))?);
@@ -35,6 +34,19 @@ fn pending(bench: &mut Bench<'_>) -> Judged {
             .expected(Observation::Value(before.clone()))
             .found(found)
     }))
+}
+
+/// Why a change was not sent at once: the device sends none, or it is late.
+fn sends_no_change_at_once(bench: &mut Bench<'_>, subject: &Subject) -> Result<Stop, Stop> {
+    /// A device without processor time is late by up to some seconds.
+    const PATIENCE: Duration = Duration::from_secs(2);
+    let later = bench.frames_of(subject.can_id, PATIENCE)?;
+    let [_, other] = &subject.values;
+    let reason = |found| Reason::new("a change of its value sends TPDO 1", "a TPDO with the new value at once", found);
+    Ok(match has(&later, other) {
+        true => Stop::Inconclusive(reason("it came late").for_lack_of(Lack::Promptness)),
+        false => Stop::NotApplicable(reason("none")),
+    })
 }
 
 /// A TPDO that waited for its inhibit time is sent once. If the device sent no TPDO without a change, it sends no
@@ -77,9 +89,10 @@ fn inhibited(bench: &mut Bench<'_>) -> Result<Subject, Stop> {
 
 /// Writes the value, and returns the TPDOs that come with it. The TPDO may be faster than the confirmation.
 fn change(bench: &mut Bench<'_>, at: Multiplexer, value: &[u8], can_id: u16) -> Result<Vec<Record>, Stop> {
+    const AT_ONCE: Duration = Duration::from_millis(100);
     bench.drain()?;
     bench.send_request(&Request::download(at, value))?;
-    bench.frames_of(can_id, Duration::from_millis(100))
+    bench.frames_of(can_id, AT_ONCE)
 }
 
 fn has(heard: &[Record], value: &[u8]) -> bool {
