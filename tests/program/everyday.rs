@@ -150,7 +150,11 @@ fn a_simulated_device_gets_the_node_id_that_is_asked_for() {
     assert_eq!((status, &report["node"]), (0, &5.into()));
     let without = run(&["test", "sim:kuebler-sendix-m58"]);
     assert_eq!(without.status, 2);
-    assert!(without.stderr.contains("kuebler-sendix-m58 has no node-ID as delivered: --node N"), "{}", without.stderr);
+    assert!(
+        without.stderr.contains("kuebler-sendix-m58 has no node-ID as delivered: assign one with --node N"),
+        "{}",
+        without.stderr
+    );
     let read = run(&["sdo", "read", "sim:kuebler-sendix-58x8", "9", "1018:1"]);
     assert_eq!(read.status, 0, "{}", read.stderr);
 }

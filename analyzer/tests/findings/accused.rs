@@ -169,6 +169,8 @@ fn a_boot_up_that_is_sent_twice_is_one_start() {
     assert_eq!(restarts.iter().map(|found| found.count).sum::<u64>(), 2, "{restarts:#?}");
     assert!(!rules(&results.findings).contains(&"bus/duplicate-node-id"));
     assert!(!rules(&results.findings).contains(&"nodes/repeated-resets"));
+    let twice = results.findings.iter().find(|found| found.rule.id == "nodes/starts-twice").unwrap();
+    assert_eq!((twice.count, twice.severity), (3, Severity::Info));
 }
 
 #[test]

@@ -83,6 +83,7 @@ const ELSEWHERE: &[&str] = &[
     "lss/left-in-configuration",
     "lss/store-wear",
     "nodes/left-stopped",
+    "nodes/starts-twice",
     "pdo/ended",
     "pdo/length-changed",
     "pdo/sync-jitter",

@@ -95,7 +95,11 @@ mod tests {
         assert_eq!(told.len(), 4, "{told:?}");
         assert!(told[0].starts_with("after a start the device reports EMCY 5000h"), "{told:?}");
         assert_eq!(told[1], "after a start the device is operational, and was pre-operational before the run");
-        assert!(told[2].contains("181h any more") && told[3].contains("381h, and did not"), "{told:?}");
+        assert!(
+            told[2].contains("no longer sends the PDO 181h")
+                && told[3].contains("sends the PDO 381h, which it did not"),
+            "{told:?}"
+        );
     }
 
     /// An error that ended, a state that did not show and a PDO that comes by chance are no change.

@@ -41,6 +41,8 @@ pub struct Stream {
     before: [u64; 2],
     /// Number of consecutive times that the period was divided as the period before it.
     divided: u8,
+    /// The longest interval in nanoseconds.
+    longest: u64,
     /// Whether a remote frame has asked for the TPDO.
     pub polled: bool,
 }
@@ -99,6 +101,7 @@ impl Stream {
         let is_same = std::mem::replace(&mut self.data, data) == data;
         let Some(last) = self.last.replace(now) else { return length };
         let interval = now.since(last).nanos();
+        self.longest = self.longest.max(interval);
         let rhythm = self.interval(interval, is_same, last);
         self.before = [self.before[1], interval];
         if rhythm == StreamEvent::Usual { length } else { rhythm }
@@ -158,6 +161,12 @@ impl Stream {
     /// Whether a timer sends the TPDO: its period is certain, and was kept while its data did not change.
     fn is_timed(&self) -> bool {
         self.regular >= Self::STEADY && self.unchanged >= Self::UNCHANGED && !self.polled
+    }
+
+    /// Whether an interval was as long as the event timer allows: the device sends by it. A device may have lost a timer
+    /// that it was told, such as by a reset.
+    pub fn obeys(&self, timer: Duration) -> bool {
+        4 * self.longest >= 3 * timer.nanos()
     }
 
     /// The period, if a timer sends the TPDO.

@@ -17,4 +17,5 @@ mod pdo_outside_operational;
 mod repeated_resets;
 mod restart;
 mod sdo_in_stopped;
+mod starts_twice;
 mod state_lost;

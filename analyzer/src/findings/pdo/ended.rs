@@ -12,10 +12,10 @@ use canvass_traces::{Duration, Timestamp};
 ///
 /// A TPDO stays away for many of its periods, until the capture ends or until it comes again, while its node is
 /// operational and sends other messages, or has never sent a heartbeat. The period is the event timer (180xh:5) that
-/// the SDO traffic of the capture shows, or learned: 30 regular intervals, some of them with unchanged data, so that a
-/// timer has sent them and no event. A learned period is a warning only, and is not judged where SYNC, the RPDOs to the
-/// node or PDOs of other nodes end at the same time: these are the reason then. NMT commands, boot-ups and changes of
-/// the parameters begin anew.
+/// the SDO traffic of the capture shows, and by which the TPDO has come since its node was started; or it is learned: 30
+/// regular intervals, some of them with unchanged data, so that a timer has sent them and no event. A learned period is
+/// a warning only, and is not judged where SYNC, the RPDOs to the node or PDOs of other nodes end at the same time: these
+/// are the reason then. NMT commands, boot-ups and changes of the parameters begin anew.
 ///
 /// # Why
 /// The consumer goes on with the last value, and often nobody notices: the node itself looks healthy.
@@ -83,7 +83,7 @@ impl Ended {
             let since = stream.last.filter(|_| !stream.polled)?;
             let parameters = scene.facts.tpdos.of(node, number);
             let timed = matches!(parameters.transmission_type, Some(254 | 255));
-            let timer = parameters.event_timer.filter(|_| timed);
+            let timer = parameters.event_timer.filter(|timer| timed && stream.obeys(*timer));
             let period = timer.or_else(|| stream.period())?;
             let silence = Silence { node, number, since, period, told: timer.is_some() };
             let share = if silence.told { self.percent } else { Percent(1_000) };

@@ -9,7 +9,7 @@ use canvass_traces::Record;
 type FaultSeen = (Fault, fn(&mut Machine), &'static str);
 
 const FAULTS: [FaultSeen; 14] = [
-    (Fault::BootUpTwice, reset, "nodes/boot-up-without-command"),
+    (Fault::BootUpTwice, reset, "nodes/starts-twice"),
     (Fault::HeartbeatPeriodDoubled, reset, "nodes/heartbeat-missing"),
     (Fault::HeartbeatWrongState, reset, "nodes/command-not-obeyed"),
     (Fault::HeartbeatLostOnStateChange, reset, "nodes/heartbeat-ended"),

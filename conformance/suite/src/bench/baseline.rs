@@ -188,6 +188,10 @@ pub(crate) fn would_lose_zero_point(bench: &Bench<'_>) -> bool {
 pub(crate) fn put_back_memory(bench: &mut Bench<'_>, may_store: bool, may_preset: bool) -> Result<MemoryLeft, Stop> {
     bench.unjudged(|bench| {
         restart(bench)?;
+        // Some devices use restored defaults for one start and do not store them: the second start loads the memory.
+        if bench.traffic.watch.has_loaded() {
+            restart(bench)?;
+        }
         let mut left = memory_left(bench)?;
         // Values that can't be read may have changed.
         if may_store && !(left.changes.is_empty() && bench.changes.baseline.unseen.is_empty()) {

@@ -2,7 +2,7 @@
 
 use super::baseline::Baseline;
 use super::rewrite::Original;
-use super::watch::is_store;
+use super::watch::memory_command;
 use crate::journal::{Head, Journal};
 use crate::touch::Touch;
 use crate::verdict::{Reason, Stop};
@@ -127,7 +127,7 @@ impl Changes {
     /// Records a frame that is about to be sent to this node.
     pub(super) fn journal_frame(&mut self, frame: &Frame, node: NodeId) -> Result<(), Stop> {
         let (Some(journal), Some(cob_id)) = (&mut self.journal, frame.cob_id()) else { return Ok(()) };
-        if !is_store(cob_id, frame.data(), node) {
+        if memory_command(cob_id, frame.data(), node).is_none() {
             return Ok(());
         }
         written(journal.store())

@@ -5,7 +5,7 @@ use super::{Bench, profile, restore, rewrite};
 use crate::comparison::{Change, Comparison, Nature};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::dictionary::{Access, DeviceDescription, names};
-use canvass_analyzer::object;
+use canvass_analyzer::object::{self, Acting};
 use canvass_bus::client::Outcome;
 use std::collections::BTreeMap;
 
@@ -180,10 +180,16 @@ pub(super) fn change(
             Nature::Constant
         }
         _ if is_constant || profile::is_scaling(bench, multiplexer) => Nature::Constant,
-        _ if bench.acts(multiplexer) => Nature::Acting,
+        _ if is_commanded(bench, multiplexer) => Nature::Acting,
         _ => Nature::Own,
     };
     Change { multiplexer, name, data_type, nature, before, after }
+}
+
+/// Whether the value is that of the last write, which acted: a preset or another command. Histories, signatures and
+/// clocks have values of their own.
+fn is_commanded(bench: &Bench<'_>, at: Multiplexer) -> bool {
+    matches!(bench.acting(at), Some(Acting::Commands | Acting::MovesZeroPoint))
 }
 
 /// Attributes a value that differs between two readings to the device itself, whatever its description says.

@@ -45,6 +45,8 @@ pub struct Watch {
     stores: u32,
     /// Whether the case has stored something.
     stored: bool,
+    /// Whether the case has restored defaults.
+    loaded: bool,
     /// Whether the case has configured another bit rate by LSS.
     configured_bit_rate: bool,
     /// Whether the case has commanded the device to become operational.
@@ -66,6 +68,7 @@ impl Watch {
             given: BTreeSet::new(),
             stores: 0,
             stored: false,
+            loaded: false,
             configured_bit_rate: false,
             started: false,
         }
@@ -96,9 +99,10 @@ impl Watch {
         let Some(cob_id) = record.frame.cob_id() else { return };
         if record.direction == Direction::Tx {
             self.sent_since = true;
-            let stores = is_store(cob_id, record.data(), self.node);
-            self.stores += u32::from(stores);
-            self.stored |= stores;
+            let memory = memory_command(cob_id, record.data(), self.node);
+            self.stores += u32::from(memory.is_some());
+            self.stored |= memory.is_some();
+            self.loaded |= memory == Some(MemoryCommand::Load);
             let is_lss = cob_id == lss::MASTER_CAN_ID;
             self.configured_bit_rate |=
                 is_lss && matches!(lss::Request::read(record.data()), Ok(lss::Request::ConfigureBitTiming { .. }));
@@ -161,6 +165,17 @@ impl Watch {
         self.stored
     }
 
+    /// Whether the device was commanded to restore its defaults in this case: the next start may use them instead of the
+    /// stored values, and the start after that the stored values again.
+    pub fn has_loaded(&self) -> bool {
+        self.loaded
+    }
+
+    /// Records that a case of an earlier run may have restored defaults.
+    pub fn assume_loaded(&mut self) {
+        self.loaded = true;
+    }
+
     /// Whether the case has configured another bit rate.
     pub fn has_configured_bit_rate(&self) -> bool {
         self.configured_bit_rate
@@ -201,23 +216,36 @@ impl Watch {
         self.emergencies.clear();
         self.provoked = false;
         self.stored = false;
+        self.loaded = false;
         self.configured_bit_rate = false;
         self.started = false;
     }
 }
 
-/// Whether an own frame makes the device write its non-volatile memory: "save" to 1010h, "load" to 1011h (which marks
-/// the defaults there), or LSS store configuration.
-pub(super) fn is_store(cob_id: u16, data: &[u8], node: NodeId) -> bool {
+/// A command that makes a device write its non-volatile memory.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum MemoryCommand {
+    /// "save" to 1010h, or LSS store configuration.
+    Store,
+    /// "load" to 1011h, which marks the defaults there.
+    Load,
+}
+
+/// The command of an own frame; `None` if it is another one.
+pub(super) fn memory_command(cob_id: u16, data: &[u8], node: NodeId) -> Option<MemoryCommand> {
     if cob_id == lss::MASTER_CAN_ID {
-        return lss::Request::read(data) == Ok(lss::Request::StoreConfiguration);
+        let stores = lss::Request::read(data) == Ok(lss::Request::StoreConfiguration);
+        return stores.then_some(MemoryCommand::Store);
     }
-    let Ok(Request::InitiateDownload { multiplexer, payload }) = Request::read(data) else { return false };
-    cob_id == sdo::REQUEST_BASE + u16::from(node.raw())
-        && matches!(
-            (multiplexer.index.0, payload.value()),
-            (object::STORE_PARAMETERS, Some(b"save")) | (object::RESTORE_DEFAULT_PARAMETERS, Some(b"load"))
-        )
+    let Ok(Request::InitiateDownload { multiplexer, payload }) = Request::read(data) else { return None };
+    if cob_id != sdo::REQUEST_BASE + u16::from(node.raw()) {
+        return None;
+    }
+    match (multiplexer.index.0, payload.value()) {
+        (object::STORE_PARAMETERS, Some(b"save")) => Some(MemoryCommand::Store),
+        (object::RESTORE_DEFAULT_PARAMETERS, Some(b"load")) => Some(MemoryCommand::Load),
+        _ => None,
+    }
 }
 
 #[cfg(test)]

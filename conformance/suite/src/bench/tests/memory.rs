@@ -104,6 +104,28 @@ fn restored_defaults_do_not_stay() {
     });
 }
 
+/// A device that restores defaults for one start only still has in its memory what a case has stored before.
+#[test]
+fn what_restored_defaults_hide_does_not_stay() {
+    on("lika-ax58", None, &[Touch::Nvm, Touch::FactoryDefaults], |bench| {
+        bench.begin();
+        baseline::note_zero_point(bench, true);
+        let dictionary = dictionary::dump(bench);
+        baseline::learn_memory(bench, &dictionary).unwrap();
+        let as_delivered = bench.read_number(HEARTBEAT).unwrap();
+        bench.begin();
+        bench.write(HEARTBEAT, &[50, 0]).unwrap();
+        bench.write(STORE, b"save").unwrap();
+        bench.listen(Duration::from_millis(500)).unwrap();
+        bench.write(RESTORE, b"load").unwrap();
+        bench.finish();
+        baseline::settle_memory(bench, &[Touch::Nvm, Touch::FactoryDefaults]);
+        let comparison = baseline::put_back_device(bench, "sim:x", false, &dictionary);
+        assert!(comparison.is_as_found(), "{comparison:?}");
+        assert_eq!([after_a_start(bench, HEARTBEAT), after_a_start(bench, HEARTBEAT)], [as_delivered; 2]);
+    });
+}
+
 /// Stored values that can't be put back are reported with the commands that do it, memory first, even if the user had
 /// not allowed writing it.
 #[test]

@@ -476,12 +476,13 @@ fn a_change_is_of_a_setting_a_constant_or_the_devices_own() {
         for index in [0x1000, 0x1008, 0x1009, 0x100A, 0x1018] {
             assert_eq!(nature(bench, index), Nature::Constant, "{index:04X}h");
         }
-        for index in [
-            0x1001, 0x1003, 0x1004, 0x100B, 0x1010, 0x1011, 0x1013, 0x101A, 0x1020, 0x11FF, 0x1C00, 0x2000, 0x6003,
-            0x6004, 0x6009,
-        ] {
+        for index in
+            [0x1001, 0x1003, 0x1004, 0x100B, 0x1010, 0x1011, 0x1013, 0x101A, 0x1020, 0x11FF, 0x1C00, 0x2000, 0x6004]
+        {
             assert_eq!(nature(bench, index), Nature::Own, "{index:04X}h");
         }
+        let presets = [0x6003, 0x6009].map(|index| nature(bench, index));
+        assert_eq!(presets, [Nature::Acting; 2], "they may be presets of some profile");
     });
     let target = described(&[
         ("1000", "DataType=0x0007\nAccessType=ro"),
@@ -493,8 +494,8 @@ fn a_change_is_of_a_setting_a_constant_or_the_devices_own() {
     ]);
     with_target(dictionary(Vec::new()), &target, &Options::default(), |bench| {
         let found = [0x1000, 0x2000, 0x2001, 0x2002, 0x6003, 0x6009].map(|index| nature(bench, index));
-        use Nature::{Constant, Own, Setting};
-        assert_eq!(found, [Constant, Setting, Own, Constant, Own, Own], "a preset acts, and is no setting");
+        use Nature::{Acting, Constant, Own, Setting};
+        assert_eq!(found, [Constant, Setting, Own, Constant, Acting, Own], "a preset acts, and is no setting");
         let change = dictionary::change(bench, Multiplexer::new(0x2000, 0), Some(vec![1]), None);
         assert_eq!((change.name.as_deref(), change.data_type.map(|data_type| data_type.0)), (Some("2000"), Some(5)));
         assert_eq!((change.before, change.after), (Some(vec![1]), None));
