@@ -12,7 +12,7 @@ use canvass_analyzer::findings::InOrder;
 use canvass_reports::diagnosis::Reading;
 use canvass_reports::quality::CaptureQuality;
 use canvass_traces::{
-    CanId, Capture, ChannelId, Channels, Damage, Format, Frame, Merge, Naming, OpenError, Quality, ReadOptions, Reader,
+    CanId, Capture, ChannelId, Channels, Columns, Damage, Format, Frame, Merge, Naming, OpenError, Quality, ReadOptions, Reader,
     Record, Source, TimeBase, Timestamp,
 };
 use std::fs::File;
@@ -28,6 +28,9 @@ pub struct InputOptions {
     /// Read only these topics, in formats that have topics (MCAP)
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     topic: Vec<String>,
+    /// The meaning of the numbers in pasted lines, where they fit several readings: time[ms],id,len,data
+    #[arg(long, value_name = "NAMES")]
+    columns: Option<Columns>,
     /// Several files are of the same bus or buses: keep the channels' names, and take equal names for one channel
     ///
     /// Without it, the channels of several files are distinguished as FILE:CHANNEL.
@@ -292,7 +295,8 @@ impl InputOptions {
     }
 
     fn open(&self, file: &Path, output: &Output, interrupt: &Interrupt, progress: &Progress) -> Result<Capture> {
-        let options = ReadOptions { format: self.format_in, topics: self.topic.clone() };
+        let options =
+            ReadOptions { format: self.format_in, topics: self.topic.clone(), columns: self.columns.clone() };
         let (output, interrupt) = (output.clone(), interrupt.clone());
         if is_stdin(file) {
             let source = Source::new(live(|| Ok(io::stdin()), output, interrupt));

@@ -304,6 +304,11 @@ pub(crate) trait LineFormat {
     fn bit_rate(&self) -> Option<u32> {
         None
     }
+
+    /// See [`Reader::interpretation`].
+    fn interpretation(&self) -> Option<String> {
+        None
+    }
 }
 
 /// Reads a capture of a text format.
@@ -393,6 +398,10 @@ impl<F: LineFormat> Reader for TextReader<F> {
 
     fn bit_rate(&self) -> Option<u32> {
         self.format.bit_rate()
+    }
+
+    fn interpretation(&self) -> Option<String> {
+        self.format.interpretation()
     }
 
     fn next_kept(&mut self, skip: &mut SkipSet, record: &mut Record) -> Option<Result<(), Damage>> {
