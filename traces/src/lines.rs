@@ -338,7 +338,8 @@ impl<F: LineFormat> TextReader<F> {
 impl<F> TextReader<F> {
     #[cold]
     fn noted(&mut self, record: Record) -> Record {
-        let notes = std::mem::take(&mut self.notes);
+        let mut notes = std::mem::take(&mut self.notes);
+        notes.push_str(record.comment().unwrap_or_default());
         record.with_comment(notes.trim_end())
     }
 

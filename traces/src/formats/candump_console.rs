@@ -4,7 +4,7 @@
 //! line  = [stamp] IFACE [("RX" | "TX") ("B" | "-") ("E" | "-")] ID body [text]
 //! stamp = "(" SECONDS ")" | "(" YYYY-MM-DD hh:mm:ss.ffffff ")"
 //! body  = "[" LEN "]" bytes | "[" LEN "]" "remote request" | "[" LEN "]" "(" VCID "|" FLAGS ":" SDT ":" AF ")" bytes
-//! text  = "ERRORFRAME" | "'ASCII'" | "`IICSA`" | "#" whatever somebody wrote beside it
+//! text  = "ERRORFRAME" | "'ASCII'" | "`IICSA`" | remark
 //! ```
 //!
 //! Pitfalls:
@@ -18,6 +18,8 @@
 //!   before (`-td`), and the output does not say which. Differences decrease again and again, so the lines buffered at
 //!   the beginning decide; if they are few, the first number that is less than the one before decides.
 //! - A comment (`#`, `;`) that is a frame except for its first byte is reported: the byte may be a damaged space.
+//! - What somebody wrote after the bytes (`<-- here`, `// no answer`) is a remark, and becomes the record's comment, unless
+//!   it begins like a byte or holds a frame. After `[0]` a mark must begin it: words may be a damaged `remote request`.
 //! - candump itself cuts more than 64 bytes of CAN XL (`...`): the frame is reported as truncated.
 //!
 //! In a last line without line end the number in the brackets tells whether all bytes are there. Two doubts
@@ -25,6 +27,7 @@
 //! lines are reported as truncated.
 
 use crate::formats::candump_log::{EPOCH_FROM, aside, intern};
+use crate::formats::pasted::remark;
 use crate::grammar::{
     Expected, Parsed, billionths, blanks1, decimal, hex_byte, hex_field, nibble, seconds, skip_blanks, tag, word,
 };
@@ -107,6 +110,9 @@ impl Console {
         record.direction = start.direction;
         record.place = line.place;
         self.explained = record.frame.is_error();
+        if let Some(remark) = body.remark.and_then(remark) {
+            record = record.with_comment(remark);
+        }
         match body.surplus {
             // A controller obeys the length code: if the line is right at all, the bus carried this number of bytes.
             Some(at) => Err(line.damage(Expected { at, what: NO_SURPLUS }).with_salvaged(record)),
@@ -218,6 +224,14 @@ struct Body<'a> {
     doubt: Doubt,
     /// The bytes beyond the length in brackets.
     surplus: Option<&'a [u8]>,
+    /// The text after the bytes, with the mark before it.
+    remark: Option<&'a [u8]>,
+}
+
+impl Body<'_> {
+    const fn new(record: Record) -> Self {
+        Self { record, bits: false, cropped: false, doubt: Doubt::None, surplus: None, remark: None }
+    }
 }
 
 /// The content of the brackets, which determines the kind of frame.
@@ -253,7 +267,7 @@ fn body(input: &[u8], id: Identifier, flags: Flags) -> Parsed<'_, Body<'_>> {
             let remote = skip_blanks(rest).strip_prefix(b"remote request");
             if let (Some(rest), Some(frame)) = (remote, Frame::remote(id, len)) {
                 let record = at_zero(frame.with_raw_dlc(raw_dlc));
-                return Ok((rest, Body { record, bits: false, cropped: false, doubt: Doubt::None, surplus: None }));
+                return Ok((rest, Body::new(record)));
             }
             payload(rest, usize::from(len), |data| Some(at_zero(Frame::new(id, data)?.with_raw_dlc(raw_dlc))))
         }
@@ -298,7 +312,7 @@ fn payload(input: &[u8], len: usize, frame: impl Fn(&[u8]) -> Option<Record>) ->
         if data.len() == 64 && next.starts_with(b"...") {
             data.resize(len, 0);
             return match frame(&data) {
-                Some(record) => Ok((&[], Body { record, bits, cropped: true, doubt: Doubt::None, surplus: None })),
+                Some(record) => Ok((&[], Body { bits, cropped: true, ..Body::new(record) })),
                 None => Expected::fail(input, "data"),
             };
         }
@@ -321,12 +335,12 @@ fn payload(input: &[u8], len: usize, frame: impl Fn(&[u8]) -> Option<Record>) ->
         return Expected::fail(input, "a length that this kind of frame has");
     };
     let behind = skip_blanks(last);
-    let is_remark = behind.len() < last.len() && behind.starts_with(b"#");
-    if !is_remark && !matches!(behind, [] | [b'\'' | b'`', ..]) && !behind.starts_with(b"ERRORFRAME") {
+    let remark = (behind.len() < last.len() && is_remark(behind, len)).then_some(behind);
+    if remark.is_none() && !matches!(behind, [] | [b'\'' | b'`', ..]) && !behind.starts_with(b"ERRORFRAME") {
         if !is_bytes(behind) {
             return Expected::fail(behind, NO_SURPLUS);
         }
-        return Ok((&[], Body { record, bits, cropped: false, doubt: Doubt::None, surplus: Some(behind) }));
+        return Ok((&[], Body { bits, surplus: Some(behind), ..Body::new(record) }));
     }
     let is_digits = |byte: u8| byte >> 4 <= 1 && byte & 15 <= 1;
     let doubt = match data[..] {
@@ -335,7 +349,20 @@ fn payload(input: &[u8], len: usize, frame: impl Fn(&[u8]) -> Option<Record>) ->
         [byte] if !bits && last.is_empty() && is_digits(byte) => Doubt::Bits,
         _ => Doubt::None,
     };
-    Ok((behind, Body { record, bits, cropped: false, doubt, surplus: None }))
+    Ok((behind, Body { bits, doubt, remark, ..Body::new(record) }))
+}
+
+/// Whether somebody wrote this text after the bytes. Two lines that became one are no frame with a remark.
+fn is_remark(text: &[u8], len: usize) -> bool {
+    let is_marked = match text {
+        [b'#' | b';' | b'<', ..] | [b'/', b'/' | b'*', ..] | [b'-', b'-' | b'>', ..] => true,
+        [first, second, ..] => {
+            len > 0 && !first.is_ascii_hexdigit() && first.is_ascii_alphabetic() && second.is_ascii_lowercase()
+        }
+        _ => false,
+    };
+    let mut words = (0..text.len()).filter(|at| *at == 0 || text.get(at - 1) == Some(&b' '));
+    is_marked && !words.any(|at| start(text.get(at..).unwrap_or_default()).is_ok_and(|(_, start)| start.brackets))
 }
 
 const NO_SURPLUS: &str = "the end of the line after as many bytes as the brackets tell";

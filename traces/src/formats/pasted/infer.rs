@@ -154,8 +154,13 @@ fn choose(sample: &Sample<'_>, candidates: Vec<Layout>, given: bool) -> Option<L
         is_right.then_some((layout, rows.len()))
     });
     let proven: Vec<_> = proven.collect();
-    let most = proven.iter().map(|(_, rows)| *rows).max()?;
-    let (layout, rows) = proven.into_iter().find(|(_, rows)| rows * 5 >= most * 4)?;
+    let most = |decimal: bool| proven.iter().filter(|(layout, _)| layout.id_is_decimal == decimal).map(|(_, rows)| *rows).max();
+    let (hex, decimal) = (most(false).unwrap_or(0), most(true).unwrap_or(0));
+    // Most tools write identifiers in hexadecimal, so a few damaged lines don't make them decimal.
+    let is_decimal = given && hex == 0 || 3 * hex < 2 * decimal;
+    let most = if is_decimal { decimal } else { hex };
+    let fits = |(layout, rows): &(Layout, usize)| layout.id_is_decimal == is_decimal && rows * 5 >= most * 4;
+    let (layout, rows) = proven.into_iter().find(fits)?;
     (given || 2 * rows >= sample.alike()).then_some(layout)
 }
 
@@ -366,6 +371,13 @@ fn radix(sample: &Sample<'_>, layout: &Layout) -> Result<(), Question> {
         if fits(&other) {
             let columns = ["hex", "dec"].map(|radix| columns_of(layout, unit, "", radix));
             return Err(Question::new("bytes in hex", "bytes in decimal", columns));
+        }
+    }
+    if layout.id_is_decimal {
+        let other = Layout { id_is_decimal: false, ..layout.clone() };
+        if 3 * sample.rows(&other).len() >= rows {
+            let columns = ["hex", "dec"].map(|radix| columns_of(layout, unit, radix, ""));
+            return Err(Question::new("identifiers in hex", "identifiers in decimal", columns));
         }
     }
     if layout.core == Core::Apart && layout.data == DataForm::Decimal && !layout.id_is_decimal {

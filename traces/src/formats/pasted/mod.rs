@@ -46,6 +46,7 @@ use table::Table;
 use token::{Kind, Token, tokenise};
 use word::Word;
 
+pub(crate) use remark::remark;
 pub(crate) use unread::unread;
 
 /// The name of the channel of lines without channel.
@@ -191,7 +192,7 @@ impl Pasted {
         let channel = intern(name, channels).map_err(|missing| line.damage(missing))?;
         let direction = row.record.direction;
         let record = row.record.seen(time, channel, direction, line.place);
-        Ok(match remark::remark(line.bytes.get(row.remark..).unwrap_or_default()) {
+        Ok(match remark(line.bytes.get(row.remark..).unwrap_or_default()) {
             Some(remark) => record.with_comment(remark),
             None => record,
         })

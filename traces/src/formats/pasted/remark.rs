@@ -2,7 +2,7 @@
 
 /// The remark in the text after a frame, without the mark before it; `None` if there is none, or only the data as
 /// characters.
-pub(super) fn remark(text: &[u8]) -> Option<&str> {
+pub(crate) fn remark(text: &[u8]) -> Option<&str> {
     let text = text.trim_ascii();
     let text = text.iter().position(|byte| !matches!(byte, b',' | b'|' | b']' | b')' | b'`')).map_or(&[][..], |at| {
         text.get(at..).unwrap_or_default()

@@ -54,14 +54,14 @@ fn field(name: &[u8]) -> Field {
     let bytes = trim(&lower);
     let (name, unit) = split_unit(bytes);
     match name {
-        b"id" | b"can id" | b"can-id" | b"can_id" | b"canid" | b"frame id" | b"frameid" | b"frame_id" | b"identifier"
+        b"id" | b"id (hex)" | b"can id" | b"can-id" | b"can_id" | b"canid" | b"frame id" | b"frameid" | b"frame_id" | b"identifier"
         | b"message id" | b"msg id" | b"msgid" | b"arbitration id" | b"arbitration_id" | b"cob-id" | b"cobid" => Field::Id,
-        b"len" | b"dlc" | b"length" | b"data length" | b"data_length" | b"datalength" | b"dlen" | b"size" => Field::Length,
-        b"data" | b"payload" | b"data bytes" | b"databytes" | b"data field" => Field::Data,
-        b"time" | b"time stamp" | b"timestamp" | b"system time" | b"time offset" | b"abs time" | b"date" => {
+        b"len" | b"dlc" | b"length" | b"data length" | b"data_length" | b"datalength" | b"dlen" | b"size" | b"datalen" => Field::Length,
+        b"data" | b"data (hex)" | b"payload" | b"data bytes" | b"databytes" | b"data field" => Field::Data,
+        b"time" | b"timestampepoch" | b"time stamp" | b"timestamp" | b"system time" | b"time offset" | b"abs time" | b"date" => {
             Field::Time(unit)
         }
-        b"bus" | b"channel" | b"chn" | b"ch" | b"interface" => Field::Channel,
+        b"bus" | b"buschannel" | b"channel" | b"chn" | b"ch" | b"interface" => Field::Channel,
         b"dir" | b"direction" | b"rx/tx" | b"tx/rx" => Field::Direction,
         b"format" | b"type" | b"frame type" | b"frame format" | b"event type" | b"flags" | b"id type" => Field::Kind,
         b"extended" | b"ext" | b"ide" | b"is_extended" | b"is_extended_id" | b"extended id" => Field::Extended,
@@ -171,7 +171,7 @@ impl Table {
             row.take(fields.next().unwrap_or(last), trim(text), self.id_is_decimal).map_err(|what| (at, what))?;
             at += text.len() + 1;
         }
-        let record = row.record().map_err(|what| (0, what))?;
+        let record = row.record().map_err(|what| (0, what))?.with_direction(row.direction);
         let verified = row.len.is_some();
         Ok(TableRow { record, time: row.time, channel: row.channel, verified })
     }
