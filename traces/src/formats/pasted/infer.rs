@@ -13,6 +13,7 @@ use super::row::{Row, read};
 use super::token::{Kind, Token, tokenise};
 use super::word::Word;
 use crate::lines::head_lines;
+use crate::{CanId, Direction};
 use std::collections::BTreeMap;
 
 /// Number of lines that decide.
@@ -92,7 +93,8 @@ impl Hints {
         self.cycle |= has("cycle time");
         for unit in Unit::ALL {
             let symbol = unit.symbol();
-            if has(&format!("[{symbol}]")) || has(&format!("({symbol})")) {
+            let is_named = has(&format!("[{symbol}]")) || has(&format!("({symbol})"));
+            if is_named && (has("time") || has("offset")) {
                 self.unit = self.unit.or(Some(unit));
             }
         }
@@ -186,26 +188,62 @@ fn is_proven(sample: &Sample<'_>, layout: &Layout, rows: &[(usize, Row)]) -> boo
     if layout.core != Core::Apart {
         return true;
     }
+    let is_labelled = rows.iter().any(|(_, row)| row.labelled);
     let ids = || rows.iter().filter_map(|(_, row)| row.id);
+    let most = rows.iter().map(|(_, row)| row.record.frame.len()).max().unwrap_or(0);
     // The lines may have numbers of other things in the place of identifiers.
-    if !ids().any(|id| id.digits >= 3 || id.is_hex) && !rows.iter().any(|(_, row)| row.labelled) {
+    let is_small = |id: u32| id <= CanId::MAX_STANDARD;
+    let are_ids = if layout.id_is_decimal {
+        ids().any(|id| id.digits >= 3) && ids().all(|id| id.decimal().is_some_and(is_small))
+    } else {
+        ids().any(|id| id.digits >= 3)
+    };
+    if !is_labelled && !are_ids {
         return false;
     }
-    let (labelled, verified) = (rows.iter().any(|(_, row)| row.labelled), layout.has(Role::Length));
-    let mut bytes = rows.iter().flat_map(|(line, row)| data_tokens(sample.tokens(*line), row));
-    let is_hex_byte = |token: &Token| match token.number() {
+    if !layout.has(Role::Length) {
+        return matches!(layout.data, DataForm::Padded | DataForm::Compact)
+            && (is_labelled || are_without_length(sample, layout, rows, most));
+    }
+    match layout.data {
+        DataForm::Padded => has_hex(sample, rows) && (is_labelled || rows.len() > 1 || most > 1 || is_seen(rows)),
+        DataForm::Compact => is_labelled || most >= 3,
+        // Short rows of small numbers may be anything.
+        DataForm::Unpadded | DataForm::Decimal => most >= 4 || rows.len() > 1 && most >= 2,
+    }
+}
+
+/// Whether lines without length and labels are frames.
+fn are_without_length(sample: &Sample<'_>, layout: &Layout, rows: &[(usize, Row)], most: usize) -> bool {
+    let is_source = |(line, row): &(usize, Row)| {
+        row.id.is_some_and(|id| id.is_hex) && data_tokens(sample.tokens(*line), row).any(is_prefixed)
+    };
+    let has_other_words = layout.words != Words::Only(Vec::new());
+    let is_long = if layout.data == DataForm::Compact { most == 8 } else { most >= 4 };
+    !is_dump(rows)
+        && !has_other_words
+        && !rows.iter().any(is_source)
+        && are_bare_ids(rows)
+        && (is_long || is_seen(rows) && layout.data == DataForm::Padded)
+        && (layout.data == DataForm::Compact || has_hex(sample, rows))
+}
+
+fn is_prefixed(token: &Token) -> bool {
+    token.number().is_some_and(|number| number.is_hex)
+}
+
+/// Whether a byte could not be a decimal number.
+fn has_hex(sample: &Sample<'_>, rows: &[(usize, Row)]) -> bool {
+    let is_hex = |token: &Token| match token.number() {
         Some(number) => number.is_hex || !number.is_decimal || number.digits == 2 && number.hex < 0x10,
         None => token.kind == Kind::Digits,
     };
-    match layout.data {
-        DataForm::Padded => {
-            bytes.any(is_hex_byte) && (verified || !is_dump(rows)) && (verified || labelled || are_bare_ids(rows))
-        }
-        DataForm::Compact if verified => true,
-        DataForm::Compact => labelled || rows.iter().any(|(_, row)| row.record.frame.len() == 8),
-        // Without a length, any row of numbers would fit.
-        DataForm::Unpadded | DataForm::Decimal => verified && rows.iter().any(|(_, row)| row.record.frame.len() >= 2),
-    }
+    rows.iter().any(|(line, row)| data_tokens(sample.tokens(*line), row).any(is_hex))
+}
+
+/// Whether the lines say where or in which direction the frames were seen.
+fn is_seen(rows: &[(usize, Row)]) -> bool {
+    rows.iter().any(|(_, row)| row.record.direction != Direction::Unknown || row.channel.is_some())
 }
 
 /// The tokens of the data.

@@ -31,7 +31,7 @@ pub(super) struct Row {
     pub(super) width_is_said: bool,
     /// Whether the length of the data was given and is right, or the word of the frame is whole.
     pub(super) verified: bool,
-    /// Whether a label, brackets or a prefix shows what the numbers mean.
+    /// Whether a label or brackets show what the numbers mean.
     pub(super) labelled: bool,
     /// Whether a label or brackets show which number is the length.
     pub(super) length_is_said: bool,
@@ -142,18 +142,19 @@ impl Reading<'_> {
     fn value(&mut self, role: Role, place: usize) -> Result<(), Miss> {
         let Some(token) = self.tokens.get(place) else { return Err((self.line.len(), "a number")) };
         let label = self.found.label.take();
+        let is_id = matches!(label, Some(Label::Id | Label::ExtendedId));
         match role {
+            _ if is_id && role != Role::Id => return Err((token.start, "no other identifier")),
             Role::Skip => {}
             Role::Time => self.found.time = Some(place),
             Role::Channel => self.found.channel = Some(place),
             Role::Id => {
-                let labelled = matches!(label, Some(Label::Id | Label::ExtendedId));
-                let Some(number) = token.number().filter(|number| self.may_be_id(number, labelled)) else {
+                let Some(number) = token.number().filter(|number| self.may_be_id(number, is_id)) else {
                     return Err((token.start, "an identifier"));
                 };
                 self.found.extended = self.found.extended.or((label == Some(Label::ExtendedId)).then_some(true));
                 self.found.id = Some((number, token.start));
-                self.found.labelled |= labelled || number.is_hex;
+                self.found.labelled |= is_id;
             }
             Role::Length => {
                 let len = token.number().and_then(|number| if number.is_hex { Some(number.hex) } else { number.decimal() });

@@ -166,7 +166,8 @@ fn kind(text: &[u8], before: &[u8], after: &[u8]) -> Kind {
     if text.is_empty() {
         return Kind::Mark;
     }
-    if let Some(number) = number(text) {
+    let is_name = matches!(after, [b':' | b'=', ..]) && text.iter().all(u8::is_ascii_alphabetic);
+    if let Some(number) = number(text).filter(|_| !is_name) {
         let bracketed = before.ends_with(b"[");
         let closed = !before.ends_with(b"(") && matches!(after, [b')' | b'.' | b':', ..]);
         return Kind::Number(Number { bracketed, closed, ..number });

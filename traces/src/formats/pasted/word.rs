@@ -70,7 +70,8 @@ pub(super) fn word(text: &[u8]) -> Option<Word> {
         b"error" | b"errorframe" | b"err" => Word::Error,
         b"can" | b"frame" | b"data" | b"dt" | b"msg" | b"message" | b"line" | b"id" | b"identifier" | b"dlc" | b"len"
         | b"length" | b"bytes" | b"byte" | b"bus" | b"channel" | b"-" | b"--" | b"false" | b"n" | b"m" | b"l" | b"i"
-        | b"cansend" | b"time" | b"timestamp" | b"at" | b"ms" | b"us" | b"hex" | b"dir" | b"from" | b"to" | b"on" => {
+        | b"cansend" | b"time" | b"timestamp" | b"at" | b"ms" | b"us" | b"hex" | b"dir" | b"from" | b"to" | b"on"
+        | b"request" | b"packet" => {
             Word::Usual
         }
         b"true" => Word::Unknown,
