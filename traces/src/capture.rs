@@ -2,7 +2,9 @@
 
 use crate::compression;
 use crate::formats::pasted;
-use crate::{Channels, Damage, Format, Question, ReadOptions, Reader, Record, SkipSet, Source, SourceError, TimeBase, Unread};
+use crate::{
+    Channels, Damage, Format, Question, ReadOptions, Reader, Record, SkipSet, Source, SourceError, TimeBase, Unread,
+};
 use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};

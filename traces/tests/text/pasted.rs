@@ -147,10 +147,7 @@ fn canalyst() {
 
 #[test]
 fn identifier_and_bytes() {
-    gives(
-        "605 40 00 10 00 00 00 00 00\n585 43 00 10 00 92 01 02 00\n705 05\n080\n",
-        &[REQUEST, ANSWER, BEAT, "080#"],
-    );
+    gives("605 40 00 10 00 00 00 00 00\n585 43 00 10 00 92 01 02 00\n705 05\n080\n", &[REQUEST, ANSWER, BEAT, "080#"]);
     gives(
         "0x605 [8] 0x40 0x00 0x10 0x00 0x00 0x00 0x00 0x00\n0x585 [8] 0x43 0x00 0x10 0x00 0x92 0x01 0x02 0x00\n",
         &[REQUEST, ANSWER],
@@ -277,10 +274,10 @@ fn a_line_that_is_nearly_a_frame_is_malformed() {
     for line in ["605 8 40 00 10 00 00 00 00", "605 8 40 00 10 00 00 00 00 00 00", "6x5 1 05", "805 1 05", "605 9 40"] {
         let given = given(&format!("{rest}{line}\n"));
         assert_eq!(given.frames, [REQUEST, ANSWER, BEAT], "{line}");
-        assert_eq!(given.damages.iter().map(|damage| (damage.kind, damage.place.number)).collect::<Vec<_>>(), [(
-            DamageKind::Malformed,
-            4
-        )]);
+        assert_eq!(
+            given.damages.iter().map(|damage| (damage.kind, damage.place.number)).collect::<Vec<_>>(),
+            [(DamageKind::Malformed, 4)]
+        );
     }
 }
 
@@ -314,17 +311,11 @@ fn what_fits_two_readings_is_asked() {
     );
     asks(
         "00000605 8 40 00 10 00 00 00 00 00\n00000585 8 43 00 10 00 92 01 02 00\n",
-        [
-            ("id[11],len,data", both),
-            ("id[29],len,data", &["00000605#4000100000000000", "00000585#4300100092010200"]),
-        ],
+        [("id[11],len,data", both), ("id[29],len,data", &["00000605#4000100000000000", "00000585#4300100092010200"])],
     );
     asks(
         "605 8 40 0 10 0 0 0 0 0\n585 8 43 0 10 0 92 1 2 0\n",
-        [
-            ("id,len,data[hex]", both),
-            ("id,len,data[dec]", &["605#28000A0000000000", "585#2B000A005C010200"]),
-        ],
+        [("id,len,data[hex]", both), ("id,len,data[dec]", &["605#28000A0000000000", "585#2B000A005C010200"])],
     );
     asks(
         "605 02 40 00\n585 02 43 00\n",
@@ -337,7 +328,10 @@ fn given_columns_decide() {
     let text = "2.5 605 8 64 0 16 0 0 0 0 0\n3.5 585 8 67 0 16 0 146 1 2 0\n";
     assert!(open_with(text, None).is_err());
     let given = open_with(text, Some("time[s],id[hex],len,data[dec]")).unwrap();
-    assert_eq!((given.frames.as_slice(), micros(&given)), (&[REQUEST, ANSWER].map(String::from)[..], vec![2_500_000, 3_500_000]));
+    assert_eq!(
+        (given.frames.as_slice(), micros(&given)),
+        (&[REQUEST, ANSWER].map(String::from)[..], vec![2_500_000, 3_500_000])
+    );
     let given = open_with("1 605 1 1\n", Some("line,id,len,data[dec]")).unwrap();
     assert_eq!(given.frames, ["605#01"]);
 }

@@ -139,7 +139,9 @@ fn each_form_gives_the_dialogue() {
     for (tool, text) in FORMS {
         match crate::pasted::open_with(text, None) {
             Ok(given) if given.frames == [REQUEST, ANSWER, BEAT] && given.damages.is_empty() => {}
-            Ok(given) => wrong.push(format!("{tool}: {:?} {:?} {:?}", given.frames, given.damages, given.interpretation)),
+            Ok(given) => {
+                wrong.push(format!("{tool}: {:?} {:?} {:?}", given.frames, given.damages, given.interpretation))
+            }
             Err(error) => wrong.push(format!("{tool}: {error}")),
         }
     }
@@ -173,10 +175,10 @@ fn identifiers_of_29_bits() {
     ] {
         gives(text, &["18FF1234#010203", "605#05"]);
     }
-    gives("Extended ID: 0x00000605 DLC: 1 Data: 0x05\nExtended ID: 0x18FF1234 DLC: 1 Data: 0x06\n", &[
-        "00000605#05",
-        "18FF1234#06",
-    ]);
+    gives(
+        "Extended ID: 0x00000605 DLC: 1 Data: 0x05\nExtended ID: 0x18FF1234 DLC: 1 Data: 0x06\n",
+        &["00000605#05", "18FF1234#06"],
+    );
 }
 
 #[test]
@@ -189,10 +191,10 @@ fn remote_frames() {
 #[test]
 fn can_fd() {
     let bytes = (0..12).map(|n| format!("{n:02X}")).collect::<Vec<_>>();
-    gives(&format!("FD 605 12 {}\nFD 605 8 40 00 10 00 00 00 00 00\n", bytes.join(" ")), &[
-        &format!("605##4{}", bytes.concat()),
-        "605##44000100000000000",
-    ]);
+    gives(
+        &format!("FD 605 12 {}\nFD 605 8 40 00 10 00 00 00 00 00\n", bytes.join(" ")),
+        &[&format!("605##4{}", bytes.concat()), "605##44000100000000000"],
+    );
 }
 
 /// The ways to write a frame of the property tests.
@@ -218,7 +220,12 @@ fn write_frame(way: usize, n: usize, record: &Record) -> String {
         }
         6 => {
             let bytes: Vec<String> = frame.data().iter().map(|byte| format!("0x{byte:02X}")).collect();
-            write!(text, "ID: 0x{id:08X}, {}, DLC: {len}, Data: {}", if x.is_empty() { "Std" } else { "Ext" }, bytes.join(" "))
+            write!(
+                text,
+                "ID: 0x{id:08X}, {}, DLC: {len}, Data: {}",
+                if x.is_empty() { "Std" } else { "Ext" },
+                bytes.join(" ")
+            )
         }
         7 => {
             let bytes: Vec<String> = frame.data().iter().map(|byte| format!(",{byte:02X}")).collect();
@@ -232,7 +239,8 @@ fn write_frame(way: usize, n: usize, record: &Record) -> String {
 }
 
 fn frames() -> impl Strategy<Value = Vec<Frame>> {
-    let id = prop_oneof![(0..0x800_u32).prop_map(CanId::standard_masked), any::<u32>().prop_map(CanId::extended_masked)];
+    let id =
+        prop_oneof![(0..0x800_u32).prop_map(CanId::standard_masked), any::<u32>().prop_map(CanId::extended_masked)];
     let frame = (id, prop::collection::vec(any::<u8>(), 0..=8)).prop_map(|(id, data)| Frame::new(id, &data).unwrap());
     prop::collection::vec(frame, 1..20)
 }

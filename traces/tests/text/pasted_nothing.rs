@@ -24,7 +24,10 @@ const NOTHING: &[(&str, &str)] = &[
         "00000000  7f 45 4c 46 02 01 01 00  00 00 00 00 00 00 00 00  |.ELF............|\n\
          00000010  03 00 3e 00 01 00 00 00                           |..>.....|\n00000018\n",
     ),
-    ("xxd", "00000000: 7f45 4c46 0201 0100 0000 0000 0000 0000  .ELF............\n00000010: 0300 3e00 0100 0000  ..>.....\n"),
+    (
+        "xxd",
+        "00000000: 7f45 4c46 0201 0100 0000 0000 0000 0000  .ELF............\n00000010: 0300 3e00 0100 0000  ..>.....\n",
+    ),
     ("a dump of eight bytes a line", "0000: 40 00 10 00 00 00 00 00\n0008: 43 00 10 00 92 01 02 00\n0010: 05 06\n"),
     ("a dump with short addresses", "000 40 00 10 00 00 00 00 00\n008 43 00 10 00 92 01 02 00\n010 05 06\n"),
     ("measured values", "time,speed,temperature\n100,05,23\n200,06,24\n300,07,24\n"),
@@ -32,12 +35,21 @@ const NOTHING: &[(&str, &str)] = &[
     ("a table of something else", "id,name,data\n605,pump,40\n705,fan,41\n"),
     ("addresses", "192.168.0.1 00:1B:44:11:3A:B7\n10.0.0.5 00:1B:44:11:3A:B8\n"),
     ("a log", "2024-01-01 12:00:00 INFO 605 requests in 8 s\n2024-01-01 12:00:01 INFO 585 requests in 8 s\n"),
-    ("hashes", "605 4b825dc642cb6eb9a060e54bf8d69288fbee4904 a.txt\n585 83baae61804e65cc73a7201a7252750c76066a30 b.txt\n"),
+    (
+        "hashes",
+        "605 4b825dc642cb6eb9a060e54bf8d69288fbee4904 a.txt\n585 83baae61804e65cc73a7201a7252750c76066a30 b.txt\n",
+    ),
     ("issues", "Fixes #605, see 1234#5678 and abc#1122, PR#40\n"),
     ("a matrix", "1.0 2.0 3.0\n4.0 5.0 6.0\n"),
     ("a PNG in text", "\u{FFFD}PNG\n\u{1a}\n605 40\u{0}00\n"),
-    ("JSON", "{\"id\": 1541, \"len\": 8, \"data\": [64, 0, 16, 0, 0, 0, 0, 0]},\n{\"id\": 1413, \"len\": 1, \"data\": [5]}\n"),
-    ("an EDS", "[1018sub1]\nParameterName=Vendor-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=0x605\n"),
+    (
+        "JSON",
+        "{\"id\": 1541, \"len\": 8, \"data\": [64, 0, 16, 0, 0, 0, 0, 0]},\n{\"id\": 1413, \"len\": 1, \"data\": [5]}\n",
+    ),
+    (
+        "an EDS",
+        "[1018sub1]\nParameterName=Vendor-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=0x605\n",
+    ),
 ];
 
 #[test]
@@ -77,14 +89,20 @@ fn files_that_are_no_captures_give_no_frames() {
     files(root, &mut all);
     all.sort();
     let is_other = |path: &Path| {
-        let endings = ["rs", "toml", "lock", "eds", "dcf", "xdd", "js", "ts", "css", "html", "svg", "py", "sh", "yml", "c", "h"];
+        let endings =
+            ["rs", "toml", "lock", "eds", "dcf", "xdd", "js", "ts", "css", "html", "svg", "py", "sh", "yml", "c", "h"];
         path.extension().and_then(|ending| ending.to_str()).is_some_and(|ending| endings.contains(&ending))
     };
     let read = |path: PathBuf| std::fs::read(&path).ok().map(|text| (path, text));
     let texts: Vec<_> = all.into_iter().filter(|path| is_other(path)).filter_map(read).collect();
     // Tests hold captures in their sources.
     let (captures, texts): (Vec<_>, Vec<_>) = texts.into_iter().partition(|(_, text)| has_frame(text));
-    assert!(texts.len() >= 500 && captures.len() * 4 < texts.len(), "{} texts, {} captures", texts.len(), captures.len());
+    assert!(
+        texts.len() >= 500 && captures.len() * 4 < texts.len(),
+        "{} texts, {} captures",
+        texts.len(),
+        captures.len()
+    );
     let invented: Vec<_> = texts
         .iter()
         .map(|(path, text)| (path, frames(text)))

@@ -59,7 +59,8 @@ impl<'a> Sample<'a> {
     fn rows(&self, layout: &Layout) -> Vec<(usize, Row)> {
         let row = |(index, (line, tokens)): (usize, &(&[u8], Vec<Token>))| {
             let row = read(line, tokens, layout).ok()?;
-            let has_content = row.record.frame.is_remote() || !row.record.frame.is_empty() || layout.core != Core::Apart;
+            let has_content =
+                row.record.frame.is_remote() || !row.record.frame.is_empty() || layout.core != Core::Apart;
             has_content.then_some((index, row))
         };
         self.lines.iter().enumerate().filter_map(row).collect()
@@ -69,9 +70,8 @@ impl<'a> Sample<'a> {
     fn alike(&self) -> usize {
         let is_byte = |token: &Token| token.number().is_some_and(|number| number.digits == 2 && !number.extended);
         let is_whole = |token: &Token| matches!(token.kind, Kind::Digits | Kind::Notation | Kind::Slcan);
-        let alike = |tokens: &[Token]| {
-            tokens.iter().any(is_whole) || tokens.windows(2).any(|pair| pair.iter().all(is_byte))
-        };
+        let alike =
+            |tokens: &[Token]| tokens.iter().any(is_whole) || tokens.windows(2).any(|pair| pair.iter().all(is_byte));
         self.lines.iter().filter(|(_, tokens)| alike(tokens)).count()
     }
 
@@ -156,7 +156,9 @@ fn choose(sample: &Sample<'_>, candidates: Vec<Layout>, given: bool) -> Option<L
         is_right.then_some((layout, rows.len()))
     });
     let proven: Vec<_> = proven.collect();
-    let most = |decimal: bool| proven.iter().filter(|(layout, _)| layout.id_is_decimal == decimal).map(|(_, rows)| *rows).max();
+    let most = |decimal: bool| {
+        proven.iter().filter(|(layout, _)| layout.id_is_decimal == decimal).map(|(_, rows)| *rows).max()
+    };
     let (hex, decimal) = (most(false).unwrap_or(0), most(true).unwrap_or(0));
     // Most tools write identifiers in hexadecimal, so a few damaged lines don't make them decimal.
     let is_decimal = given && hex == 0 || 3 * hex < 2 * decimal;
@@ -249,7 +251,8 @@ fn is_seen(rows: &[(usize, Row)]) -> bool {
 /// The tokens of the data.
 fn data_tokens<'t>(tokens: &'t [Token], row: &Row) -> impl Iterator<Item = &'t Token> {
     let count = row.record.frame.len();
-    let values = tokens.iter().take(row.next).rev().filter(|token| matches!(token.kind, Kind::Number(_) | Kind::Digits));
+    let values =
+        tokens.iter().take(row.next).rev().filter(|token| matches!(token.kind, Kind::Number(_) | Kind::Digits));
     values.take(count.max(1))
 }
 
@@ -276,7 +279,8 @@ fn roles(sample: &Sample<'_>, rows: &[(usize, Row)], layout: &mut Layout) {
     let mut has_channel = rows.iter().any(|(_, row)| row.channel.is_some());
     let end = layout.before.iter().position(|role| *role == Role::Id).unwrap_or(layout.before.len());
     for column in 0..end {
-        let values: Vec<(Token, &[u8])> = rows.iter().filter_map(|(line, _)| nth_value(sample, *line, column)).collect();
+        let values: Vec<(Token, &[u8])> =
+            rows.iter().filter_map(|(line, _)| nth_value(sample, *line, column)).collect();
         let role = role(&values, has_time, has_channel);
         has_time |= role == Role::Time;
         has_channel |= role == Role::Channel;
@@ -314,7 +318,9 @@ fn role(values: &[(Token, &[u8])], has_time: bool, has_channel: bool) -> Role {
 
 /// What follows the data.
 fn behind(sample: &Sample<'_>, rows: &[(usize, Row)], layout: &mut Layout) {
-    let values = || rows.iter().map(|(line, row)| sample.tokens(*line).get(row.next).filter(|token| token.kind == Kind::Fraction));
+    let values = || {
+        rows.iter().map(|(line, row)| sample.tokens(*line).get(row.next).filter(|token| token.kind == Kind::Fraction))
+    };
     if layout.core != Core::Apart || !values().all(|value| value.is_some()) {
         return;
     }
@@ -369,10 +375,10 @@ fn time(sample: &Sample<'_>, layout: &mut Layout, given: Option<Unit>) -> Result
 /// Asks if identifiers of eight digits could have 11 bits.
 fn identifiers(sample: &Sample<'_>, layout: &Layout) -> Result<(), Question> {
     let rows = sample.rows(layout);
-    let in_doubt = |row: &Row| {
-        row.id.is_some_and(|id| id.digits == 8 && !id.extended && id.hex <= 0x7FF) && !row.width_is_said
-    };
-    if layout.wide_is_standard || layout.id_is_decimal || rows.is_empty() || !rows.iter().all(|(_, row)| in_doubt(row)) {
+    let in_doubt =
+        |row: &Row| row.id.is_some_and(|id| id.digits == 8 && !id.extended && id.hex <= 0x7FF) && !row.width_is_said;
+    if layout.wide_is_standard || layout.id_is_decimal || rows.is_empty() || !rows.iter().all(|(_, row)| in_doubt(row))
+    {
         return Ok(());
     }
     let columns = ["11", "29"].map(|bits| columns_of(layout, layout.unit.symbol(), bits, ""));

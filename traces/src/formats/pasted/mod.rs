@@ -254,7 +254,8 @@ fn damage(line: &Line<'_>, at: usize, what: &'static str) -> Damage {
 
 /// Whether a line that is no frame looks like one: it has more numbers than words.
 fn is_like_frame(line: &[u8], tokens: &[Token], layout: &Layout) -> bool {
-    let is_number = |token: &&Token| matches!(token.kind, Kind::Number(_) | Kind::Digits | Kind::Notation | Kind::Slcan);
+    let is_number =
+        |token: &&Token| matches!(token.kind, Kind::Number(_) | Kind::Digits | Kind::Notation | Kind::Slcan);
     let numbers = tokens.iter().filter(is_number).count();
     let words = tokens.iter().filter(|token| token.kind == Kind::Word(Word::Unknown)).count();
     match layout.core {
@@ -290,7 +291,9 @@ impl Meaning {
                 if layout.has(Role::Length) {
                     parts.push("length".to_owned());
                 }
-                parts.push(if layout.data == DataForm::Decimal { "bytes in decimal" } else { "bytes in hex" }.to_owned());
+                parts.push(
+                    if layout.data == DataForm::Decimal { "bytes in decimal" } else { "bytes in hex" }.to_owned(),
+                );
             }
         }
         if layout.behind == Behind::CycleAndCount {

@@ -157,7 +157,8 @@ impl Reading<'_> {
                 self.found.labelled |= is_id;
             }
             Role::Length => {
-                let len = token.number().and_then(|number| if number.is_hex { Some(number.hex) } else { number.decimal() });
+                let len =
+                    token.number().and_then(|number| if number.is_hex { Some(number.hex) } else { number.decimal() });
                 let Some(len) = len.map(|len| len as usize).filter(|len| *len <= MOST_BYTES) else {
                     return Err((token.start, "a length of at most 64"));
                 };
@@ -175,7 +176,9 @@ impl Reading<'_> {
             return false;
         }
         if self.layout.id_is_decimal {
-            return number.decimal().is_some_and(|id| id <= CanId::MAX_EXTENDED && (id == 0 || id.ilog10() + 1 == u32::from(number.digits)));
+            return number.decimal().is_some_and(|id| {
+                id <= CanId::MAX_EXTENDED && (id == 0 || id.ilog10() + 1 == u32::from(number.digits))
+            });
         }
         match number.digits {
             _ if number.hex > CanId::MAX_EXTENDED => false,

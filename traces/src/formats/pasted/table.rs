@@ -54,13 +54,14 @@ fn field(name: &[u8]) -> Field {
     let bytes = trim(&lower);
     let (name, unit) = split_unit(bytes);
     match name {
-        b"id" | b"id (hex)" | b"can id" | b"can-id" | b"can_id" | b"canid" | b"frame id" | b"frameid" | b"frame_id" | b"identifier"
-        | b"message id" | b"msg id" | b"msgid" | b"arbitration id" | b"arbitration_id" | b"cob-id" | b"cobid" => Field::Id,
-        b"len" | b"dlc" | b"length" | b"data length" | b"data_length" | b"datalength" | b"dlen" | b"size" | b"datalen" => Field::Length,
+        b"id" | b"id (hex)" | b"can id" | b"can-id" | b"can_id" | b"canid" | b"frame id" | b"frameid" | b"frame_id"
+        | b"identifier" | b"message id" | b"msg id" | b"msgid" | b"arbitration id" | b"arbitration_id" | b"cob-id"
+        | b"cobid" => Field::Id,
+        b"len" | b"dlc" | b"length" | b"data length" | b"data_length" | b"datalength" | b"dlen" | b"size"
+        | b"datalen" => Field::Length,
         b"data" | b"data (hex)" | b"payload" | b"data bytes" | b"databytes" | b"data field" => Field::Data,
-        b"time" | b"timestampepoch" | b"time stamp" | b"timestamp" | b"system time" | b"time offset" | b"abs time" | b"date" => {
-            Field::Time(unit)
-        }
+        b"time" | b"timestampepoch" | b"time stamp" | b"timestamp" | b"system time" | b"time offset" | b"abs time"
+        | b"date" => Field::Time(unit),
         b"bus" | b"buschannel" | b"channel" | b"chn" | b"ch" | b"interface" => Field::Channel,
         b"dir" | b"direction" | b"rx/tx" | b"tx/rx" => Field::Direction,
         b"format" | b"type" | b"frame type" | b"frame format" | b"event type" | b"flags" | b"id type" => Field::Kind,
@@ -121,7 +122,13 @@ impl Table {
             let has = |wanted: &[Field]| fields.iter().any(|field| wanted.contains(field));
             let about_frames = [Field::Length, Field::Extended, Field::Direction, Field::Kind, Field::Channel];
             let is_head = has(&[Field::Id]) && has(&[Field::Data, Field::Byte]) && has(&about_frames);
-            is_head.then(|| Self { separator, fields, head: line.to_owned(), id_is_decimal: false, unit: Unit::Seconds })
+            is_head.then(|| Self {
+                separator,
+                fields,
+                head: line.to_owned(),
+                id_is_decimal: false,
+                unit: Unit::Seconds,
+            })
         };
         [b'\t', b',', b';'].into_iter().find_map(by)
     }

@@ -68,12 +68,10 @@ pub(super) fn word(text: &[u8]) -> Option<Word> {
         b"s" | b"std" | b"standard" | b"sff" | b"11bit" | b"11-bit" | b"base" => Word::Standard,
         b"fd" | b"canfd" | b"fdf" => Word::Fd,
         b"error" | b"errorframe" | b"err" => Word::Error,
-        b"can" | b"frame" | b"data" | b"dt" | b"msg" | b"message" | b"line" | b"id" | b"identifier" | b"dlc" | b"len"
-        | b"length" | b"bytes" | b"byte" | b"bus" | b"channel" | b"-" | b"--" | b"false" | b"n" | b"m" | b"l" | b"i"
-        | b"cansend" | b"time" | b"timestamp" | b"at" | b"ms" | b"us" | b"hex" | b"dir" | b"from" | b"to" | b"on"
-        | b"request" | b"packet" => {
-            Word::Usual
-        }
+        b"can" | b"frame" | b"data" | b"dt" | b"msg" | b"message" | b"line" | b"id" | b"identifier" | b"dlc"
+        | b"len" | b"length" | b"bytes" | b"byte" | b"bus" | b"channel" | b"-" | b"--" | b"false" | b"n" | b"m"
+        | b"l" | b"i" | b"cansend" | b"time" | b"timestamp" | b"at" | b"ms" | b"us" | b"hex" | b"dir" | b"from"
+        | b"to" | b"on" | b"request" | b"packet" => Word::Usual,
         b"true" => Word::Unknown,
         _ if let Some(word) = bits(lower) => word,
         _ if is_channel(text) => Word::Channel,
@@ -104,7 +102,8 @@ fn is_channel(text: &[u8]) -> bool {
 /// A word of a language or a name: no part of an expression.
 fn is_plain(text: &[u8]) -> bool {
     let is_letter = |byte: &u8| byte.is_ascii_alphabetic() || !byte.is_ascii();
-    text.iter().any(is_letter) && text.iter().all(|byte| is_letter(byte) || byte.is_ascii_digit() || b"-_/.".contains(byte))
+    text.iter().any(is_letter)
+        && text.iter().all(|byte| is_letter(byte) || byte.is_ascii_digit() || b"-_/.".contains(byte))
 }
 
 /// The meaning of a label, without its colon.
