@@ -95,6 +95,11 @@ impl<'a> Inputs<'a> {
             // If Ctrl-C comes before the first byte of an input, the input looks empty.
             if interrupt.came() { anyhow!("interrupted before any input arrived") } else { error }
         })?;
+        for capture in &captures {
+            if let Some(interpretation) = capture.interpretation() {
+                diagnostic(&format!("canvass: {}: read as: {interpretation}", capture.name()));
+            }
+        }
         Ok(Self { is_live, ..Self::merged(captures, options, output, interrupt) })
     }
 

@@ -155,7 +155,7 @@ impl Pasted {
     ) -> Option<Result<Record, Damage>> {
         tokenise(line.bytes, &mut self.tokens);
         match row::read(line.bytes, &self.tokens, layout) {
-            Ok(row) if !line.ended && !row.verified && row.record.frame.len() < 8 => {
+            Ok(row) if !line.ended && row.may_go_on => {
                 Some(Err(line.cut("the end of this line, as the frame may go on,")))
             }
             Ok(row) => Some(self.record(line, row, layout, channels)),
@@ -208,7 +208,7 @@ impl Pasted {
             return None;
         }
         match table.row(line.bytes) {
-            Ok(row) if !line.ended && !row.verified && row.record.frame.len() < 8 => {
+            Ok(row) if !line.ended && row.may_go_on => {
                 Some(Err(line.cut("the end of this line, as the frame may go on,")))
             }
             Ok(row) => {
@@ -264,10 +264,11 @@ fn is_like_frame(line: &[u8], tokens: &[Token], layout: &Layout) -> bool {
             let is_digit = |byte: Option<&u8>| byte.is_some_and(u8::is_ascii_hexdigit);
             is_digit(at.checked_sub(1).and_then(|before| line.get(before))) && words <= 2
         }),
-        Core::Slcan => matches!(tokens, [token] if {
-            let digits = token.text(line).get(1..).unwrap_or_default();
-            digits.len() >= 3 && digits.iter().filter(|byte| byte.is_ascii_hexdigit()).count() + 1 >= digits.len()
-        }),
+        Core::Slcan => {
+            let count = |is: fn(&u8) -> bool| line.iter().filter(|byte| is(byte)).count();
+            let (digits, hex, all) = (count(u8::is_ascii_digit), count(u8::is_ascii_hexdigit), line.trim_ascii().len());
+            digits >= 3 && 4 * hex >= 3 * all
+        }
     }
 }
 

@@ -29,8 +29,8 @@ pub(super) struct Row {
     pub(super) id: Option<Number>,
     /// Whether a word says if the identifier has 11 or 29 bits.
     pub(super) width_is_said: bool,
-    /// Whether the length of the data was given and is right, or the word of the frame is whole.
-    pub(super) verified: bool,
+    /// Whether the line may be the beginning of a longer one, if it has no line end.
+    pub(super) may_go_on: bool,
     /// Whether a label or brackets show what the numbers mean.
     pub(super) labelled: bool,
     /// Whether a label or brackets show which number is the length.
@@ -67,7 +67,6 @@ struct Found {
     label: Option<Label>,
     labelled: bool,
     length_is_said: bool,
-    verified: bool,
 }
 
 struct Reading<'a> {
@@ -202,7 +201,7 @@ impl Reading<'_> {
             Some(len) if !self.found.remote && len != count => {
                 return Err((begin, "as many bytes as the length says"));
             }
-            Some(_) => self.found.verified = true,
+            Some(_) => {}
             None if count > 8 => return Err((begin, "at most 8 bytes without a length")),
             None if count == 0 && !self.found.remote && !self.ends_here() => return Err((begin, "data bytes")),
             None => {}
@@ -278,7 +277,6 @@ impl Reading<'_> {
 
     fn notation(&mut self) -> Result<Record, Miss> {
         let text = self.whole_word(Kind::Notation)?;
-        self.found.verified = true;
         let from = self.offset();
         let text = self.line.get(text.0..text.1).unwrap_or_default();
         whole(frame(text), "the end of the frame").map_err(|Expected { what, .. }| (from, what))
@@ -287,7 +285,6 @@ impl Reading<'_> {
     fn slcan(&mut self) -> Result<Record, Miss> {
         let from = self.offset();
         let text = self.whole_word(Kind::Slcan)?;
-        self.found.verified = true;
         let text = self.line.get(text.0..text.1).unwrap_or_default();
         slcan(text).ok_or((from, "a frame in SLCAN's notation"))
     }
@@ -328,12 +325,31 @@ impl Reading<'_> {
             debug_assert!(value.start >= label.end, "tokens are in the order of the line");
         }
         let remark = self.at.checked_sub(1).and_then(|last| self.tokens.get(last)).map_or(0, |token| token.end);
-        let Found { time, clock, date, channel, verified, labelled, length_is_said, .. } = self.found;
+        let may_go_on = self.may_go_on(&record, remark);
+        let Found { time, clock, date, channel, labelled, length_is_said, .. } = self.found;
         let Found { direction, id, extended, .. } = self.found;
         let (id, next) = (id.map(|(number, _)| number), self.at);
         let width_is_said = extended.is_some() || id.is_some_and(|id| id.extended);
         let record = record.with_direction(direction);
-        Row { record, time, clock, date, channel, remark, next, id, width_is_said, verified, labelled, length_is_said }
+        Row { record, time, clock, date, channel, remark, next, id, width_is_said, may_go_on, labelled, length_is_said }
+    }
+
+    /// Whether more digits, a direction or words that make a frame a remote one may follow.
+    fn may_go_on(&self, record: &Record, remark: usize) -> bool {
+        if self.layout.behind != Behind::Nothing && self.found.direction == Direction::Unknown {
+            return true;
+        }
+        let (frame, layout) = (&record.frame, self.layout);
+        let is_open = match layout.core {
+            Core::Notation => frame.is_remote() || frame.len() < 8,
+            Core::Slcan => false,
+            Core::Apart if frame.is_remote() => false,
+            Core::Apart => {
+                let has_length = self.found.len.is_some_and(|len| len > 0);
+                !has_length && frame.len() < 8 || matches!(layout.data, DataForm::Unpadded | DataForm::Decimal)
+            }
+        };
+        is_open && self.line.get(remark..).unwrap_or_default().trim_ascii().is_empty()
     }
 
     /// A direction after the frame, unless it is an arrow, which begins a remark.

@@ -45,8 +45,8 @@ pub(super) struct TableRow<'a> {
     pub(super) record: Record,
     pub(super) time: &'a [u8],
     pub(super) channel: &'a [u8],
-    /// Whether the length says that the row is whole.
-    pub(super) verified: bool,
+    /// Whether the row may be the beginning of a longer one.
+    pub(super) may_go_on: bool,
 }
 
 fn field(name: &[u8]) -> Field {
@@ -164,7 +164,8 @@ impl Table {
 
     /// Whether a line has as many fields as a row.
     pub(super) fn is_like_row(&self, line: &[u8]) -> bool {
-        2 * line.iter().filter(|byte| **byte == self.separator).count() >= self.fields.len()
+        // The longer half of a row that a damaged byte splits has nearly half of the separators.
+        2 * line.iter().filter(|byte| **byte == self.separator).count() + 2 >= self.fields.len()
     }
 
     /// Reads a row.
@@ -179,8 +180,8 @@ impl Table {
             at += text.len() + 1;
         }
         let record = row.record().map_err(|what| (0, what))?.with_direction(row.direction);
-        let verified = row.len.is_some();
-        Ok(TableRow { record, time: row.time, channel: row.channel, verified })
+        let may_go_on = row.ends_in_digit || row.len.is_none() && record.frame.len() < 8;
+        Ok(TableRow { record, time: row.time, channel: row.channel, may_go_on })
     }
 }
 
@@ -194,6 +195,8 @@ struct Fields<'a> {
     len: Option<usize>,
     data: [u8; MOST_BYTES],
     count: usize,
+    /// Whether the last byte has one digit.
+    ends_in_digit: bool,
 }
 
 impl Default for Fields<'_> {
@@ -208,6 +211,7 @@ impl Default for Fields<'_> {
             len: None,
             data: [0; MOST_BYTES],
             count: 0,
+            ends_in_digit: false,
         }
     }
 }
@@ -247,6 +251,7 @@ impl<'a> Fields<'a> {
         for word in text.split(|byte| matches!(byte, b' ' | b'-' | b'.')).filter(|word| !word.is_empty()) {
             let digits = word.strip_prefix(b"0x").unwrap_or(word);
             let digits = digits.strip_suffix(b"h").unwrap_or(digits);
+            self.ends_in_digit = digits.len() == 1;
             if let [digit] = digits {
                 self.push(nibble(*digit))?;
                 continue;
