@@ -19,7 +19,7 @@ Exit status: 0 good; 1 findings, failures or violations; 2 wrong usage or unread
 #[command(disable_help_subcommand = true)]
 #[command(after_help = STATUSES)]
 pub struct Cli {
-    /// When to use colours: on a terminal (auto), always or never
+    /// Use colours on a terminal (auto), always or never
     #[arg(long, global = true, value_enum, default_value_t, value_name = "WHEN")]
     color: Color,
     #[command(subcommand)]

@@ -22,7 +22,7 @@ use std::path::{Path, PathBuf};
 /// Options for reading captures.
 #[derive(clap::Args, Default)]
 pub struct InputOptions {
-    /// The format of the captures, if it is not recognised
+    /// The format of the captures, if canvass does not recognise it
     #[arg(long, value_name = "FORMAT", value_parser = parse_format)]
     format_in: Option<Format>,
     /// Read only these topics, in formats that have topics (MCAP)
@@ -31,7 +31,7 @@ pub struct InputOptions {
     /// The meaning of the numbers in pasted lines, where they fit several readings: time[ms],id,len,data
     #[arg(long, value_name = "NAMES")]
     columns: Option<Columns>,
-    /// Several files are of the same bus or buses: keep the channels' names, and take equal names for one channel
+    /// All files are from the same bus or buses: keep the channel names, and treat equal names as one channel
     ///
     /// Without it, the channels of several files are distinguished as FILE:CHANNEL.
     #[arg(long)]

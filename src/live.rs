@@ -44,10 +44,10 @@ fn open_to_others(address: &str) -> Option<&str> {
 /// Default time to wait for a client of `slcan:listen://`.
 pub const CLIENT: Duration = Duration::from_secs(10);
 
-/// The option for this time.
+/// The option `--client-timeout`.
 #[derive(Clone, Copy, clap::Args)]
 pub struct ClientArg {
-    /// How long to wait for a client, if the bus is slcan:listen://
+    /// Maximum time to wait for a client of the bus slcan:listen://
     #[arg(long, default_value = "10s", value_name = "SPAN", value_parser = parse_span)]
     client_timeout: Duration,
 }

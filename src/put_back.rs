@@ -5,7 +5,7 @@ use crate::output::diagnostic;
 use crate::status::{Failure, Status};
 use anyhow::{Context, anyhow};
 use canvass_bus::Bus;
-use canvass_reports::conformance::dictionary::lines;
+use canvass_reports::conformance::dictionary::{lines, sentence};
 use canvass_suite::bench::{Bench, Options, Target, Timing};
 use canvass_suite::journal::Interrupted;
 use canvass_suite::runner;
@@ -43,5 +43,6 @@ pub fn put_back(
     std::fs::remove_file(journal).map_err(|error| anyhow!("can't remove {}: {error}", journal.display()))?;
     let values = interrupted.values.len();
     diagnostic(&format!("canvass: node {} is restored ({values} values)", interrupted.node));
+    diagnostic(&format!("canvass: {}", sentence(&comparison)));
     Ok(Status::Good)
 }

@@ -12,11 +12,11 @@ use std::time::Instant;
 /// Default: some gateways take a minute and a half to restart.
 pub const RECONNECT: Duration = Duration::from_secs(120);
 
-/// The option for this time.
+/// The option `--reconnect-timeout`.
 #[derive(Clone, Copy, clap::Args)]
 pub struct ReconnectArg {
-    /// How long to wait for the bus after an interruption: an adapter is unplugged, a connection breaks, an interface
-    /// goes down
+    /// Maximum time to wait for the bus after an interruption, such as an unplugged adapter, a lost connection or an
+    /// interface that is down
     #[arg(long, default_value = "2min", value_name = "SPAN", value_parser = parse_span)]
     reconnect_timeout: Duration,
 }

@@ -23,7 +23,7 @@ pub struct Selection {
     /// Only frames that pass this filter, such as 'service=sdo and node in 1..8 and index=0x6003 or abort'
     #[arg(long, value_name = "EXPRESSION")]
     filter: Option<Filter>,
-    /// Which device a node is: a built-in model or an EDS or DCF file; several nodes as 1..8=motor.eds, or all=motor.eds
+    /// The device of a node: a built-in model, or an EDS or DCF file; several nodes as 1..8=motor.eds, or all=motor.eds
     #[arg(long, value_name = "NODE=MODEL|FILE")]
     device: Vec<DeviceArg>,
     #[arg(skip)]

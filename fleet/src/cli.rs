@@ -10,7 +10,7 @@ use canvass_fleet::session::{self, Settings};
 use clap::Parser;
 use datafusion::prelude::SessionContext;
 
-/// Ask thousands of captures and results of test runs in SQL
+/// Query thousands of captures and test results in SQL
 ///
 /// Captures of any format that canvass reads are tables: events('field/**/*.log'), messages(...), signals(...) and so
 /// on. `canvass-fleet schema` shows all tables and columns.
@@ -51,20 +51,20 @@ impl Cli {
     }
 }
 
-/// Where and how queries run.
+/// Options of the query engine.
 #[derive(clap::Args)]
 pub struct Engine {
-    /// Which device nodes are, by node-ID or by the identity that they show: 5=motor.eds, product:0x2011=encoder.eds,
-    /// vendor:19,product:0x2011=encoder.eds; a file or a built-in model
+    /// Files or built-in models of the nodes, by node-ID or by the identity that the captures show: 5=motor.eds,
+    /// product:0x2011=encoder.eds, vendor:19,product:0x2011=encoder.eds
     #[arg(long, value_name = "WHO=FILE")]
     device: Vec<String>,
-    /// Number of parts of a query that run at a time (default: number of processors)
+    /// Number of parts of a query that run in parallel (default: number of processors)
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     jobs: Option<u16>,
-    /// How much memory queries may take before they use the disk, such as 512M or 4G
+    /// Memory limit above which queries use the disk, such as 512M or 4G
     #[arg(long, value_name = "SIZE", value_parser = parse_size)]
     memory: Option<usize>,
-    /// Run queries on the cluster of this scheduler; captures have to be reachable from all its computers
+    /// Run queries on the cluster of this scheduler; all its computers must be able to reach the captures
     #[arg(long, value_name = "df://HOST:PORT", env = "CANVASS_CLUSTER")]
     cluster: Option<String>,
 }

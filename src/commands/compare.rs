@@ -12,7 +12,7 @@ use std::path::{Path, PathBuf};
 
 /// Compare two results of `canvass test --format json`
 ///
-/// Says what a release of a firmware changed: verdicts, measured times, identity and object dictionary. Ends with status
+/// Shows the changes in a firmware release: verdicts, measured times, identity and object dictionary. Ends with status
 /// 1 if a verdict got worse, if a case that was judged before is missing, or if the new run was cancelled.
 #[derive(clap::Args)]
 pub struct Args {
@@ -20,7 +20,7 @@ pub struct Args {
     old: PathBuf,
     /// The result of the new release
     new: PathBuf,
-    /// Accept cases that only the old result has: they were left out on purpose
+    /// Accept cases that only the old result has, because they were left out on purpose
     #[arg(long)]
     allow_missing: bool,
     /// Results of releases before OLD, oldest first. A case that was bad in one of them, but not in OLD, is reported

@@ -31,8 +31,8 @@ pub struct Args {
     /// Capture files, and the file to write; - is standard input or output
     #[arg(required = true, value_name = "IN... OUT")]
     files: Vec<PathBuf>,
-    /// The output format, such as pcapng, or a time: frames after it are left out, as for --from. Can be given once
-    /// for each
+    /// The output format, such as pcapng, or a time as for --from, after which frames are left out. Can be given once
+    /// for each of the two
     #[arg(long, value_name = "FORMAT|TIME")]
     to: Vec<To>,
     /// Leave out frames before this time: seconds as in the capture, +SECONDS since its first frame, or

@@ -41,7 +41,7 @@ pub struct View {
     /// Sort frames that are up to 20 ms out of order; recorders with several threads or adapters write such files
     #[arg(long, conflicts_with = "events")]
     in_order: bool,
-    /// Which time to print; JSON always has integer nanoseconds
+    /// The time to print; JSON always has integer nanoseconds
     #[arg(long, value_enum, default_value_t)]
     time: Time,
     #[command(flatten)]

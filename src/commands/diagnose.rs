@@ -17,10 +17,10 @@ use canvass_reports::document::{Form, Report as _, Style};
 use std::io::{self, Write};
 use std::path::PathBuf;
 
-/// Diagnose captures: what was on the bus, what was wrong, and the frames that prove it
+/// Diagnose captures: traffic on the bus, problems, and the frames that prove them
 ///
-/// `canvass list rules` lists the rules, `canvass explain RULE` explains one and says what to do. Several captures
-/// are merged by time.
+/// `canvass list rules` lists the rules, `canvass explain RULE` explains a rule and its remedy. Several captures are
+/// merged by time.
 #[derive(clap::Args)]
 pub struct Args {
     /// Capture files; - is standard input
@@ -35,7 +35,7 @@ pub struct Args {
     /// Overwrite the file of --output if it exists
     #[arg(long)]
     force: bool,
-    /// Print every finding with all its frames, and every node, however many there are
+    /// Print all findings with all their frames, and all nodes
     #[arg(long, short)]
     verbose: bool,
     /// The lowest severity of findings that makes the exit status 1
@@ -47,7 +47,7 @@ pub struct Args {
     /// The bit rate of the bus in bit/s, such as 250k (default: from the capture, or inferred from its frames)
     #[arg(long, value_name = "RATE", value_parser = parse_bit_rate)]
     bit_rate: Option<u32>,
-    /// Which device a node is: a built-in model or an EDS or DCF file
+    /// The device of a node: a built-in model, or an EDS or DCF file
     #[arg(long, value_name = "NODE=MODEL|FILE")]
     device: Vec<DeviceArg>,
     #[command(flatten)]

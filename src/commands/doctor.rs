@@ -11,9 +11,9 @@ use std::fmt::Write;
 use std::fs;
 use std::time::{Duration, Instant};
 
-/// Say what this machine can do on live buses, what is missing, and how to get it
+/// Show which live buses this machine can use, which parts are missing, and how to get them
 ///
-/// Looks at the kernel's CAN support, its CAN interfaces, serial ports, and how precisely programs are woken.
+/// Checks the kernel's CAN support, its CAN interfaces, serial ports, and the precision of timers.
 #[derive(clap::Args)]
 pub struct Args {
     /// How to print the findings

@@ -46,16 +46,16 @@ pub struct Args {
     /// The device's node-ID (default: the model's node-ID as delivered)
     #[arg(long, value_parser = parse_node)]
     node: Option<NodeId>,
-    /// What the device is: a built-in model or an EDS or DCF file
+    /// The device: a built-in model, or an EDS or DCF file
     #[arg(long, value_name = "[NODE=]MODEL|FILE")]
     device: Option<String>,
-    /// The services to fuzz: sdo, lss, nmt, pdo, sync-emcy or all; several with commas between them
+    /// The services to fuzz: sdo, lss, nmt, pdo, sync-emcy or all, separated by commas
     #[arg(long, value_name = "SERVICES", default_value_t)]
     target: Targets,
     /// Time limit, such as 30s, 10m or 1h (default without --runs: 10s on a simulated bus, 60s on a live one)
     #[arg(long = "for", value_name = "SPAN", value_parser = parse_span)]
     span: Option<Duration>,
-    /// Number of sequences; the same number and the same seed give the same run
+    /// Number of sequences; a run with the same number and seed is identical
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u64).range(1..))]
     runs: Option<u64>,
     /// The seed of all random choices (default: from the clock; the result names it)
@@ -67,7 +67,7 @@ pub struct Args {
     /// Number of tries for shortening a sequence (default: 2000 on a simulated bus, 100 on a live one)
     #[arg(long, value_name = "N")]
     shrink_budget: Option<u32>,
-    /// What the sequences may change: nvm, node-id, bit-rate, other-nodes, factory-defaults, preset, or all
+    /// Changes that the sequences may make: nvm, node-id, bit-rate, other-nodes, factory-defaults, preset, or all
     #[arg(long, value_name = "WHAT", value_delimiter = ',')]
     allow: Vec<Allow>,
     /// Only send the frames of this log or reproducer again, and judge the answers

@@ -12,9 +12,9 @@ use std::path::PathBuf;
 /// Show many results of `canvass test --format json`, over releases and samples
 ///
 /// For each case the history shows its verdict in every release, the release since which it fails, and whether it is
-/// flaky; for each release it shows which cases ran. Give the results in the order of the releases, oldest first. A
-/// result belongs to the release that is written before it (1.4=a.json), else to that of its --note release=1.4, else
-/// to one named like its file. Several results of one release are samples of it.
+/// flaky; for each release it shows which cases ran. Give the results in the order of the releases, oldest first. The
+/// release of a result is the name before it (1.4=a.json), otherwise its --note release=1.4, otherwise the name of its
+/// file. Several results of one release are samples of it.
 #[derive(clap::Args)]
 pub struct Args {
     /// The results, oldest first

@@ -25,10 +25,10 @@ use std::fmt::Write;
 /// List cases, situations, models, faults, liberties, rules, properties or formats
 #[derive(clap::Args)]
 pub struct Args {
-    /// What to list
+    /// The kind of items to list
     #[arg(value_enum)]
     what: What,
-    /// How to print them
+    /// How to print the items
     #[arg(long, value_enum, default_value_t)]
     format: ListFormat,
 }
@@ -37,7 +37,7 @@ pub struct Args {
 enum What {
     /// Conformance cases
     Cases,
-    /// What CiA 301 allows in which situation
+    /// Situations, with the answers that CiA 301 allows
     Situations,
     /// Built-in device models
     Models,

@@ -51,8 +51,8 @@ enum Action {
         /// Store both in non-volatile memory
         #[arg(long)]
         store: bool,
-        /// Make all devices change to the bit rate that was set for them; the pause before and after the change has
-        /// this length, such as 100ms
+        /// Make all devices change to the bit rate that was set for them, with a pause of this length before and after
+        /// the change, such as 100ms
         #[arg(long, value_name = "SPAN", value_parser = parse_delay)]
         activate: Option<u16>,
     },

@@ -26,7 +26,7 @@ pub struct Args {
     /// How long to listen for reactions, such as 500ms
     #[arg(long, default_value = "1s", value_name = "SPAN", value_parser = parse_span)]
     wait: Duration,
-    /// Which device a node is: a built-in model or an EDS or DCF file
+    /// The device of a node: a built-in model, or an EDS or DCF file
     #[arg(long, value_name = "NODE=MODEL|FILE")]
     device: Vec<DeviceArg>,
     #[command(flatten)]

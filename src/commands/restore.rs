@@ -21,11 +21,11 @@ pub struct Args {
     /// The journal of the interrupted run
     #[arg(long, value_name = "FILE")]
     journal: PathBuf,
-    /// What the device is: a built-in model or an EDS or DCF file (default: the device that the journal names)
+    /// The device: a built-in model, or an EDS or DCF file (default: the device that the journal names)
     #[arg(long, value_name = "[NODE=]MODEL|FILE")]
     device: Option<String>,
-    /// How long to wait, such as sdo=500ms: sdo, store, lss, boot-up, reaction, silence, client (who connects to
-    /// slcan:listen://), reconnect (until an interrupted bus is back, default 2min)
+    /// Timeouts, such as sdo=500ms: sdo, store, lss, boot-up, reaction, silence, client (a client of slcan:listen://
+    /// connects), reconnect (an interrupted bus is back, default 2min)
     #[arg(long, value_name = "WHAT=SPAN", value_delimiter = ',')]
     timeout: Vec<Timeout>,
 }

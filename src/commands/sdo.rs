@@ -25,7 +25,7 @@ use serde_json::json;
 /// from the description or the standard; --type gives it for other objects.
 #[derive(clap::Args)]
 pub struct Args {
-    /// What to do
+    /// The operation
     #[command(subcommand)]
     action: Action,
 }
@@ -39,7 +39,7 @@ enum Action {
         #[command(flatten)]
         limit: UploadLimitArgs,
     },
-    /// Write an object; the device keeps the value until a reset, or longer if it stores it
+    /// Write an object; the device keeps the value until a reset, or permanently if it stores it
     Write {
         #[command(flatten)]
         target: Target,
@@ -61,7 +61,7 @@ struct Target {
     node: NodeId,
     /// The object: INDEX:SUB in hexadecimal, or a name
     object: String,
-    /// What the device is: a built-in model or an EDS or DCF file
+    /// The device: a built-in model, or an EDS or DCF file
     #[arg(long, value_name = "[NODE=]MODEL|FILE")]
     device: Option<String>,
     /// The data type: u8 to u64, i8 to i64, f32, f64, bool, string, bytes, or a name such as UNSIGNED32

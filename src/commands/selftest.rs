@@ -19,9 +19,9 @@ use canvass_traces::Duration;
 /// Test the tester: run the cases against firmware with known faults
 ///
 /// The selftest puts every fault into the firmware of a simulated device, and runs every case against it. A fault is
-/// detected if a case that names it fails. Every model without fault must pass; so must every firmware with
-/// liberties, which the standard leaves free. Faults must also be detected together with liberties. The fuzzer must
-/// find no violation on firmware without faults.
+/// detected if a case that names it fails. Every model without fault must pass, and so must every firmware with
+/// liberties (unusual behaviour that the standard allows). Faults must also be detected together with liberties. The
+/// fuzzer must find no violation on firmware without faults.
 #[derive(clap::Args)]
 pub struct Args {
     /// Cases to run, as for `canvass test` (default: all cases and all faults)
@@ -30,19 +30,20 @@ pub struct Args {
     /// Faults to run, each with the cases that name it (default: all faults that the cases name)
     #[arg(long, value_name = "FAULT", value_delimiter = ',')]
     fault: Vec<Fault>,
-    /// The seed by which liberties are combined at random
+    /// The seed for random combinations of liberties
     #[arg(long, default_value_t = Chance::WHOLE.seed)]
     seed: u64,
-    /// Run the cases on devices that do nothing right instead: which of them pass, and whether each pass was reviewed
+    /// Instead run the cases on devices that implement no service: show which cases pass, and whether each pass was
+    /// reviewed
     #[arg(long, conflicts_with_all = ["fuzz", "fault"])]
     null: bool,
-    /// Run the cases on devices with one wrong field of one message instead: which of them are found
+    /// Instead run the cases on devices with one wrong field of one message: show which of these devices fail
     #[arg(long, conflicts_with_all = ["fuzz", "fault", "null"])]
     wire: bool,
     /// With --wire: number of these devices, drawn by --seed (default: all)
     #[arg(long, value_name = "N", requires = "wire")]
     count: Option<usize>,
-    /// Test the fuzzer instead: how fast it finds each fault that it claims to find
+    /// Instead test the fuzzer: show how fast it finds each fault that it claims to find
     #[arg(long, conflicts_with = "select")]
     fuzz: bool,
     /// With --fuzz: number of seeds

@@ -6,9 +6,9 @@ use crate::output::Color;
 use crate::status::{Failure, Status};
 use canvass_traces::{Duration, Frame, FrameSyntax, parse_frame};
 
-/// Send frames and print what comes back, decoded
+/// Send frames and print the decoded answers
 ///
-/// Frames are written as candump and cansend write them: 63F#4000600000000000, 701#R.
+/// Frames have the form of candump and cansend: 63F#4000600000000000, 701#R.
 #[derive(clap::Args)]
 pub struct Args {
     /// The bus: can0, slcan:PORT[@BITRATE], pcan:CHANNEL@BITRATE or sim:MODEL[@BITRATE][+FAULT...]
@@ -19,7 +19,7 @@ pub struct Args {
     /// How long to listen after each frame, such as 100ms
     #[arg(long, default_value = "100ms", value_name = "SPAN", value_parser = parse_span)]
     wait: Duration,
-    /// Which device a node is: a built-in model or an EDS or DCF file
+    /// The device of a node: a built-in model, or an EDS or DCF file
     #[arg(long, value_name = "NODE=MODEL|FILE")]
     device: Vec<DeviceArg>,
     #[command(flatten)]

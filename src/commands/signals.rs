@@ -17,9 +17,9 @@ use tempfile::SpooledTempFile;
 
 /// Print the values of PDOs as columns over time, for plots and data frames
 ///
-/// One row for each PDO, with the latest value of every column; values that are not known yet are empty. A column is
-/// named CHANNEL.NODE.OBJECT [UNIT]. The mapping must be known, from --device or because it is read or written in the
-/// capture. Times are integer nanoseconds.
+/// Each PDO gives one row with the latest value of every column; unknown values are empty. A column is named
+/// CHANNEL.NODE.OBJECT [UNIT]. The mapping must be known, from --device or from SDO traffic of the capture. Times are
+/// integer nanoseconds.
 #[derive(clap::Args)]
 pub struct Args {
     /// Capture files; - is standard input

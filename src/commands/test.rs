@@ -48,13 +48,13 @@ pub struct Args {
     /// The device's node-ID (default: that of the model as delivered or of the DCF)
     #[arg(long, value_parser = parse_node)]
     node: Option<NodeId>,
-    /// What the device is: a built-in model or an EDS or DCF file
+    /// The device: a built-in model, or an EDS or DCF file
     #[arg(long, value_name = "[NODE=]MODEL|FILE")]
     device: Option<String>,
     #[command(flatten)]
     choice: CaseChoice,
-    /// What the cases may change: nvm, node-id, bit-rate, other-nodes, factory-defaults, preset, other-clients, or
-    /// all
+    /// Changes that the cases may make: nvm, node-id, bit-rate, other-nodes, factory-defaults, preset, other-clients,
+    /// or all
     #[arg(long, value_name = "WHAT", value_delimiter = ',')]
     allow: Vec<Allow>,
     #[command(flatten)]
@@ -65,7 +65,7 @@ pub struct Args {
     /// Run each case this many times; a case with different verdicts is flaky
     #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     repeat: u32,
-    /// Repeat a failed case up to this many times; if it passes then, it counts as passed and is marked as flaky
+    /// Repeat a failed case up to this many times; a case that then passes counts as passed and is marked as flaky
     #[arg(long, default_value_t = 0, value_name = "N", conflicts_with = "repeat", value_parser = clap::value_parser!(u32).range(0..=1000))]
     retries: u32,
     /// Stop after the first case that fails
@@ -77,8 +77,7 @@ pub struct Args {
     /// Add the marks of CiA's test tool to the capture: frames of CAN-ID 7FFh, which were not on the bus
     #[arg(long, requires = "record")]
     cct_markers: bool,
-    /// Write everything about the run into one file, for `canvass verify`: report, result, recording, description,
-    /// waivers
+    /// Write report, result, recording, description and waivers of the run into one file, for `canvass verify`
     #[arg(long, value_name = "FILE.zip")]
     bundle: Option<PathBuf>,
     /// The journal of a run on a live bus, for `canvass restore`: each change is recorded before it is made; none: no
@@ -94,15 +93,14 @@ pub struct Args {
     /// Overwrite the files of --record and --bundle if they exist
     #[arg(long)]
     force: bool,
-    /// How long to wait, such as sdo=500ms: sdo, store, lss, boot-up, reaction, silence, client (who connects to
-    /// slcan:listen://), reconnect (until an interrupted bus is back, default 2min)
+    /// Timeouts, such as sdo=500ms: sdo, store, lss, boot-up, reaction, silence, client (a client of slcan:listen://
+    /// connects), reconnect (an interrupted bus is back, default 2min)
     #[arg(long, value_name = "WHAT=SPAN", value_delimiter = ',')]
     timeout: Vec<Timeout>,
     /// Permitted deviation of the mean of a period, in percent
     #[arg(long, default_value_t = 5, value_name = "PERCENT", value_parser = clap::value_parser!(u32).range(0..=100))]
     tolerance: u32,
-    /// A shell command that switches the supply of the device off and on; canvass runs it when the device stops
-    /// answering
+    /// A shell command that switches the supply of the device off and on, for a device that stops answering
     #[arg(long, value_name = "COMMAND")]
     power_cycle: Option<String>,
     /// The zero point of the encoder is stored, so that a reset does not lose it (default: an encoder whose 6509h is
@@ -288,10 +286,9 @@ pub fn named(device: &str) -> &str {
 /// The error that asks for the device's node-ID and says how to find it.
 pub fn which_node(bus: &str, model: Option<&Model>) -> anyhow::Error {
     match model {
-        Some(model) => anyhow!(
-            "which node? {} has no node-ID as delivered: --node N gives it one, as commissioning does",
-            model.id()
-        ),
-        None => anyhow!("which node? Use --node N (canvass scan {bus} finds it)"),
+        Some(model) => {
+            anyhow!("{} has no node-ID as delivered: assign one with --node N, as commissioning does", model.id())
+        }
+        None => anyhow!("the node-ID of the device is not known: use --node N (canvass scan {bus} finds it)"),
     }
 }

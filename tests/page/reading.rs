@@ -8,9 +8,26 @@ use std::slice::from_ref;
 /// A script that chooses the format, as a user would.
 const AS_CANDUMP: &str = "const format = document.getElementById('format'); \
      format.value = 'candump'; format.dispatchEvent(new Event('change'))";
-const IS_READING: &str = "!document.getElementById('progress').hidden";
+/// Notes that reading began, as it may be over before anybody looks.
+const NOTE_READING: &str = "window.hasBegun = false; \
+     new MutationObserver(() => { window.hasBegun ||= !document.getElementById('progress').hidden; }) \
+     .observe(document.getElementById('progress'), { attributes: true, attributeFilter: ['hidden'] })";
+const HAS_BEGUN: &str = "window.hasBegun || !document.getElementById('progress').hidden";
+/// Cancels what is read next, a moment after it began.
+const CANCEL_NEXT: &str = "const progress = document.getElementById('progress'); \
+     new MutationObserver((_, observer) => { if (!progress.hidden) { observer.disconnect(); \
+     setTimeout(() => progress.querySelector('button').click(), 30); } }) \
+     .observe(progress, { attributes: true, attributeFilter: ['hidden'] })";
+const FORGET: &str = "window.hasBegun = false";
 const IS_READ: &str = "/frames, /.test(document.getElementById('status').textContent) && \
      document.querySelector('#view-diagnosis iframe') && document.getElementById('progress').hidden";
+
+/// Acts, and waits until the page reads something because of that.
+fn begins(opened: &Opened, act: impl FnOnce()) {
+    opened.browser.run(FORGET);
+    act();
+    opened.browser.wait(HAS_BEGUN);
+}
 
 fn status(opened: &Opened) -> String {
     opened.browser.text("return document.getElementById('status').textContent")
@@ -23,24 +40,22 @@ fn what_was_chosen_last_is_read_to_its_end() {
     opened.take(from_ref(&small));
     opened.browser.wait(IS_READ);
     let of_small = status(&opened);
-    opened.take(from_ref(&large));
-    opened.browser.wait(IS_READING);
+    opened.browser.run(NOTE_READING);
+    begins(&opened, || opened.take(from_ref(&large)));
     // Another file is opened meanwhile.
     opened.take(from_ref(&small));
     opened.browser.wait(IS_READ);
     assert_eq!(status(&opened), of_small);
     // The same file is read in another format, again and again.
-    opened.take(from_ref(&large));
+    begins(&opened, || opened.take(from_ref(&large)));
     for _ in 0..3 {
-        opened.browser.wait(IS_READING);
         opened.browser.run(AS_CANDUMP);
     }
     opened.browser.wait(IS_READ);
     assert_ne!(status(&opened), of_small);
     // Reading is cancelled, then another file is opened.
+    opened.browser.run(CANCEL_NEXT);
     opened.take(&[large, small.clone()]);
-    opened.browser.wait(IS_READING);
-    opened.browser.click("#progress button");
     opened.browser.wait("/cancelled/.test(document.getElementById('status').textContent)");
     opened.take(&[small]);
     opened.browser.wait(IS_READ);

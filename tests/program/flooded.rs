@@ -51,7 +51,7 @@ fn flood(stream: &mut TcpStream, sent: &mpsc::Sender<()>) -> std::io::Result<()>
     }
 }
 
-/// The numbers of frames in the messages about losses, and the reported total.
+/// The number of lost frames in each message, and the total in the last line.
 fn lost(stderr: &str) -> (Vec<u64>, u64) {
     let number = |line: &str, words: &str| {
         let before = line.split(words).next().filter(|before| before.len() < line.len())?;

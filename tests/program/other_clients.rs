@@ -170,7 +170,8 @@ fn an_encoder_that_is_polled_fails_nothing() {
 fn a_device_that_others_use_is_left_alone() {
     let run = tested("reference-301", &["--select", "301/nmt"]);
     assert_eq!((run.status, run.stdout.as_str()), (3, ""), "{}", run.stderr);
-    for part in ["others use node 63", "another SDO client reads its objects (", "CAN-ID 63F", "--allow other-clients"]
+    for part in
+        ["other clients use node 63", "another SDO client reads its objects (", "CAN-ID 63F", "--allow other-clients"]
     {
         assert!(run.stderr.contains(part), "{part}: {}", run.stderr);
     }

@@ -47,7 +47,7 @@ fn a_failure_in_quarantine_is_shown_and_does_not_count() {
 fn a_quarantine_that_is_over_holds_nothing() {
     let (status, shown, [json, junit, ..]) = tested("2027-07-01");
     assert_eq!(status, 1, "{shown}");
-    assert!(shown.contains("(line 1, Ann) has expired on 2027-06-30: what fails there counts"), "{shown}");
+    assert!(shown.contains("(line 1, Ann) has expired on 2027-06-30: failures of the case count"), "{shown}");
     assert!(junit.contains("failures=\"1\"") && junit.contains("skipped=\"0\""), "{junit}");
     assert!(!json.contains("\"quarantine\": {"), "{json}");
 }

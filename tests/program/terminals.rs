@@ -3,7 +3,7 @@
 use crate::running::command;
 use nix::pty::{Winsize, openpty};
 use std::fs::File;
-use std::io::Read;
+use std::io::{Read, Write};
 use std::process::Stdio;
 
 const CAPTURE: &str = "docs/examples/commissioning.log";
@@ -30,11 +30,16 @@ const COMMANDS: &[&[&str]] = &[
     &["test", "no-such-bus"],
 ];
 
+/// What the test writes after the end of the program. A terminal that nobody has open any more may lose what was not
+/// read yet, so the test keeps it open until it has read all.
+const END: &[u8] = b"\x04end of the program\x04";
+
 /// Both output streams, as a terminal of `columns` columns receives them.
 fn seen(columns: u16, variables: &[(&str, &str)], args: &[&str]) -> String {
     let size = Winsize { ws_row: 24, ws_col: columns, ws_xpixel: 0, ws_ypixel: 0 };
     let terminal = openpty(Some(&size), None).unwrap();
     let (slave, mut master) = (terminal.slave, File::from(terminal.master));
+    let mut kept = File::from(slave.try_clone().unwrap());
     let mut child = {
         let mut command = command(args);
         // The variables of the test's own environment must not describe this terminal.
@@ -46,12 +51,17 @@ fn seen(columns: u16, variables: &[(&str, &str)], args: &[&str]) -> String {
     };
     let reader = std::thread::spawn(move || {
         let (mut bytes, mut chunk) = (Vec::new(), [0; 4096]);
-        while let Ok(n @ 1..) = master.read(&mut chunk) {
-            bytes.extend_from_slice(&chunk[..n]);
+        while !bytes.ends_with(END) {
+            match master.read(&mut chunk) {
+                Ok(n @ 1..) => bytes.extend_from_slice(&chunk[..n]),
+                ended => panic!("the terminal ended with {ended:?} after {:?}", String::from_utf8_lossy(&bytes)),
+            }
         }
+        bytes.truncate(bytes.len() - END.len());
         String::from_utf8(bytes).unwrap().replace("\r\n", "\n")
     });
     child.wait().unwrap();
+    kept.write_all(END).unwrap();
     reader.join().unwrap()
 }
 
@@ -110,7 +120,7 @@ fn tables_fit_on_sixty_columns() {
         let text = plain(&seen(60, &USUAL, args));
         for line in text.lines().filter(is_table) {
             tables += 1;
-            assert!(line.chars().count() <= 60, "{args:?}: {line}");
+            assert!(line.chars().count() <= 60, "{args:?}: {line}\nof {text}");
         }
     }
     assert!(tables > 60, "{tables}");

@@ -22,7 +22,7 @@ pub struct Source {
 #[derive(Debug, thiserror::Error)]
 pub enum SourceError {
     /// The operating system or the decompressor reports an error.
-    #[error("can't read further: {0}")]
+    #[error("can't continue reading: {0}")]
     Io(#[from] io::Error),
     /// A single line or packet fills the whole window.
     #[error("a single line or packet is longer than {0} bytes")]

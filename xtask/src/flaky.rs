@@ -11,9 +11,9 @@ mod pair;
 mod tally;
 
 use crate::measure::{self, release};
-use crate::run::run;
+use crate::run::{run, this_program};
 use crate::vcan::{self, has_vcan};
-use anyhow::{Result, ensure};
+use anyhow::{Context, Result, ensure};
 use load::Load;
 use options::{Options, Starved, Transport};
 use pair::Pair;
@@ -68,9 +68,19 @@ fn on_machines(options: &Options) -> Result<()> {
     vcan::on_machines(program, machines, "flaky", &options.words(options.runs.div_ceil(machines)))
 }
 
+/// The path of the program. A machine has it where it lies here, but another working directory.
+fn program(options: &Options) -> Result<String> {
+    if !options.in_machine {
+        return Ok(release("canvass"));
+    }
+    let own = this_program()?;
+    let target = own.ancestors().nth(2).context("xtask lies in a folder of target")?;
+    Ok(target.join("release/canvass").to_string_lossy().into_owned())
+}
+
 /// All repetitions with one model.
 fn of_model(model: &str, options: &Options) -> Result<Tally> {
-    let program = release("canvass");
+    let program = program(options)?;
     // The same cases first run over the transport on an idle machine: effects of the transport itself (no echo, no
     // known bit rate) are no effects of the load.
     let truth = pair::simulated(&program, model, options)?;

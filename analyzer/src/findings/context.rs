@@ -1,6 +1,6 @@
 //! The data that a rule sees.
 
-use super::facts::{Facts, News, Parameters};
+use super::facts::{Facts, News, Parameters, Pending};
 use super::latest::Latest;
 use super::seen::{Evidence, Seen};
 use crate::NodeId;
@@ -72,6 +72,13 @@ impl Scene<'_> {
     pub fn longest_frame(&self) -> Duration {
         const BITS: u64 = 135;
         self.bit_rate.map_or(Duration::from_millis(1), |rate| Duration(BITS * 1_000_000_000 / u64::from(rate.max(1))))
+    }
+
+    /// Whether the node of a request had not booted when it was asked, and has booted since.
+    pub fn was_asked_too_early(&self, pending: &Pending) -> bool {
+        let node = pending.request.decoded.node.filter(|_| pending.early);
+        let booted = node.and_then(|node| self.facts.node(node).last_boot_up);
+        booted.is_some_and(|boot_up| boot_up >= pending.request.time())
     }
 
     /// Whether the capture has times at all.

@@ -19,7 +19,7 @@ pub struct Dispatch(Box<[Box<[u8]>]>);
 static DISPATCH: LazyLock<Dispatch> = LazyLock::new(Dispatch::new);
 
 impl Also {
-    const COUNT: usize = Self::UnusualRequests as usize + 1;
+    const COUNT: usize = Self::UnusualPdos as usize + 1;
 }
 
 impl Traits {
@@ -96,8 +96,8 @@ mod tests {
         let unusual = ended.with(Also::UnusualRequests, true);
         assert!(!shown(Service::Sdo, Traits::default()).contains(&"sdo/store-wear"));
         assert!(shown(Service::Sdo, ended).contains(&"sdo/store-wear"));
-        assert!(!shown(Service::Sdo, ended).contains(&"sdo/retries"));
-        assert!(shown(Service::Sdo, unusual).contains(&"sdo/retries"));
+        assert!(!shown(Service::Sdo, ended).contains(&"sdo/impatient-client"));
+        assert!(shown(Service::Sdo, unusual).contains(&"sdo/impatient-client"));
         // The service and both traits of this frame select the rule; it is shown the frame once.
         let known = unusual.with(Also::KnownTpdos, true);
         assert_eq!(shown(Service::Nmt, known).iter().filter(|id| **id == "pdo/period").count(), 1);

@@ -1,5 +1,6 @@
 //! A problem that a rule found.
 
+use super::effect::Rank;
 use super::rule::Metadata;
 use crate::statistics::CaseName;
 use crate::{Multiplexer, NodeId};
@@ -44,6 +45,8 @@ pub struct Finding {
     pub rule: &'static Metadata,
     /// The severity of the rule, or a lower one.
     pub severity: Severity,
+    /// The rank of the rule, or a higher one.
+    pub rank: Rank,
     /// The node concerned; `None` for findings about the bus or the capture.
     pub node: Option<NodeId>,
     /// The channel; `None` for findings about a whole capture.

@@ -65,6 +65,8 @@ pub enum Also {
     EndedTransfers,
     /// SDO messages that repeat or abandon a request, or that answer an abandoned one.
     UnusualRequests,
+    /// TPDOs with an unusual length, or out of the rhythm that was learned.
+    UnusualPdos,
 }
 
 /// Constructor of a rule's state.

@@ -1,6 +1,7 @@
 //! The place where rules report findings.
 
 use super::context::Scene;
+use super::effect::Rank;
 use super::finding::{Exhibit, Finding, Severity};
 use super::rule::Metadata;
 use super::seen::Evidence;
@@ -54,6 +55,7 @@ pub struct Report<'e> {
     detail: u64,
     measure: u64,
     severity: Option<Severity>,
+    rank: Option<Rank>,
     source: Option<usize>,
     place: Option<(Timestamp, Place)>,
     times: u64,
@@ -73,6 +75,7 @@ impl<'e> Report<'e> {
             detail: 0,
             measure: 0,
             severity: None,
+            rank: None,
             source: None,
             place: None,
             times: 1,
@@ -118,6 +121,11 @@ impl<'e> Report<'e> {
     /// Sets a severity lower than the severity of the rule.
     pub const fn severity(self, severity: Severity) -> Self {
         Self { severity: Some(severity), ..self }
+    }
+
+    /// Sets a rank higher than the rank of the rule.
+    pub const fn rank(self, rank: Rank) -> Self {
+        Self { rank: Some(rank), ..self }
     }
 
     /// Sets the source concerned, by its index.
@@ -192,6 +200,7 @@ impl<'a> Sink<'a> {
         if finding.windows.len() < Finding::WINDOWS && report.times > 0 {
             finding.windows.push((report.time, report.until.unwrap_or(report.time)));
         }
+        finding.rank = finding.rank.min(report.rank.unwrap_or(self.rule.rank));
         finding.severity = finding.severity.max(report.severity.unwrap_or(self.rule.severity));
         if report.measure > *worst || report.times == 0 {
             *worst = report.measure.max(*worst);
@@ -219,6 +228,7 @@ impl<'a> Sink<'a> {
         let finding = Finding {
             rule: self.rule,
             severity: report.severity.unwrap_or(self.rule.severity),
+            rank: report.rank.unwrap_or(self.rule.rank),
             node: report.node,
             channel: key.channel,
             source: report.source,

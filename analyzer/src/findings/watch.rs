@@ -4,7 +4,7 @@ use super::Diagnosis;
 use super::capture::{self, Copies};
 use super::context::{Context, Scene};
 use super::dispatch::{self, Dispatch, Traits, Watching};
-use super::facts::Facts;
+use super::facts::{Facts, StreamEvent};
 use super::latest::Latest;
 use super::rule::{Also, Rule};
 use super::sink::{Findings, Sink};
@@ -203,7 +203,8 @@ impl BusWatch {
             .with(Also::Resetting, resets)
             .with(Also::Returning, news.returned.is_some())
             .with(Also::EndedTransfers, decoded.ends_transfer())
-            .with(Also::UnusualRequests, news.request.is_unusual());
+            .with(Also::UnusualRequests, news.request.is_unusual())
+            .with(Also::UnusualPdos, news.stream != StreamEvent::Usual);
         let mut sink = Sink { findings, rule: Copies::METADATA, bus: Some((bus, self.known.channel)) };
         for &at in self.dispatch.places(decoded.service, traits) {
             if let Some((metadata, rule)) = self.rules.get_mut(usize::from(at)) {

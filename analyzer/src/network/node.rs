@@ -87,11 +87,7 @@ impl Cause {
 impl Node {
     /// The value of a communication parameter, from the trace or else from the description.
     pub fn parameter(&self, id: NodeId, object: Multiplexer) -> Option<u32> {
-        let described = || {
-            let entry = self.description()?.dictionary.entry(object).ok()?;
-            u32::try_from(entry.start_value(id)?.to_raw()?).ok()
-        };
-        self.parameters.get(&object).map(|shown| shown.0).or_else(described)
+        self.parameters.get(&object).map(|shown| shown.0).or_else(|| self.described(id, object))
     }
 
     /// The value of a parameter if it is certain: shown by the trace, or described for a read-only object. Other
@@ -245,18 +241,32 @@ impl Node {
         let count = self.parameter(id, Multiplexer::new(index, 0))?;
         // The counts FEh and FFh mark a multiplexed PDO, which carries its own addresses.
         let count = u8::try_from(count).ok().filter(|&count| (1..=64).contains(&count))?;
-        (1..=count).map(|sub| self.parameter(id, Multiplexer::new(index, sub)).map(MappingEntry)).collect()
+        let only_shown = self.contradicts_description(id, index);
+        let entry = |sub| match (Multiplexer::new(index, sub), only_shown) {
+            (object, false) => self.parameter(id, object).map(MappingEntry),
+            (object, true) => self.parameters.get(&object).map(|shown| MappingEntry(shown.0)),
+        };
+        (1..=count).map(entry).collect()
+    }
+
+    /// Whether an entry of the object was read with another value than the description says: the other entries may
+    /// differ from the description, too, until they are read.
+    fn contradicts_description(&self, id: NodeId, index: u16) -> bool {
+        let mut shown = self.parameters.range(Multiplexer::new(index, 0)..=Multiplexer::new(index, u8::MAX));
+        shown.any(|(object, &(value, how))| {
+            how == Shown::Read && self.described(id, *object).is_some_and(|described| described != value)
+        })
+    }
+
+    /// The start value of a communication parameter in the description.
+    fn described(&self, id: NodeId, object: Multiplexer) -> Option<u32> {
+        let entry = self.description()?.dictionary.entry(object).ok()?;
+        u32::try_from(entry.start_value(id)?.to_raw()?).ok()
     }
 
     /// The node's state after an NMT command; `None` if the command is reserved.
     pub fn obey(&mut self, command: Command) -> Option<State> {
-        let state = match command {
-            Command::START => State::OPERATIONAL,
-            Command::STOP => State::STOPPED,
-            Command::ENTER_PRE_OPERATIONAL => State::PRE_OPERATIONAL,
-            Command::RESET_NODE | Command::RESET_COMMUNICATION => State::BOOT_UP,
-            _ => return None,
-        };
+        let state = command.state()?;
         self.state = Some((state, Cause::Command));
         Some(state)
     }

@@ -4,6 +4,7 @@
 //! byte 0: command specifier    byte 1: node-ID, 0 = all nodes
 //! ```
 
+use super::error_control::State;
 use super::{Malformed, Wire, named};
 use nom::{IResult, Parser, number::complete::u8};
 use std::fmt;
@@ -42,6 +43,17 @@ impl Command {
     /// Whether the command restarts a node or its communication.
     pub const fn is_reset(self) -> bool {
         matches!(self, Self::RESET_NODE | Self::RESET_COMMUNICATION)
+    }
+
+    /// The state that a node shows after the command; `None` for a reserved specifier.
+    pub const fn state(self) -> Option<State> {
+        Some(match self {
+            Self::START => State::OPERATIONAL,
+            Self::STOP => State::STOPPED,
+            Self::ENTER_PRE_OPERATIONAL => State::PRE_OPERATIONAL,
+            Self::RESET_NODE | Self::RESET_COMMUNICATION => State::BOOT_UP,
+            _ => return None,
+        })
     }
 
     /// The standard's name, `None` for a reserved specifier.

@@ -34,7 +34,7 @@ fn object_type(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     set_one(eds, dice, &lines, &format!("0x{code:X}"))
 }
 
-/// The headers of ARRAY and RECORD objects whose sub-indexes have sections, each with its index and ObjectType.
+/// The ARRAY and RECORD objects whose sub-indexes have sections: index, number of the header, and ObjectType.
 fn containers(eds: &Eds) -> Vec<(u16, usize, u64)> {
     let with_code = |(index, header)| Some((index, header, eds.number_of(header, "ObjectType")?));
     let objects = eds.objects().into_iter().filter_map(with_code);

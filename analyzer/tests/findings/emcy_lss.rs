@@ -66,12 +66,7 @@ fn lss_without_an_answer_refused_and_not_stored() {
         630,
     );
     commissioning(["11 01 00", "13 00 00", "17 00 00"]).finds("lss/refused", None, 613);
-    commissioning(["11 00 00", "13 00 00", "17 01 00"]).finds_among(
-        &["lss/refused", "lss/not-stored"],
-        "lss/not-stored",
-        None,
-        613,
-    );
+    commissioning(["11 00 00", "13 00 00", "17 01 00"]).finds("lss/refused", None, 633);
 }
 
 /// Two errors, one of which ends: the register tells which one.
@@ -161,5 +156,14 @@ fn layer_settings_stored_again_and_again() {
     for n in 0..12 {
         traffic.at(5_100 + n * 1000, "7E5#1700000000000000").at(5_103 + n * 1000, "7E4#1700000000000000");
     }
-    traffic.finds("lss/store-wear", None, 5_103);
+    traffic.at(17_000, "7E5#0400000000000000").finds("lss/store-wear", None, 5_103);
+}
+
+/// A master sends its requests on the CAN-ID of the slaves.
+#[test]
+fn lss_requests_on_the_wrong_can_id() {
+    let mut traffic = machine();
+    traffic.at(2_000, "7E4#0401000000000000").at(2_500, "7E4#0400000000000000");
+    let finding = traffic.finds_among(&["lss/dialogue"], "lss/dialogue", None, 2_000);
+    assert!(finding.message.contains("on 7E4h, the CAN-ID of the slaves"), "{}", finding.message);
 }

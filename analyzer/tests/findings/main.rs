@@ -2,6 +2,8 @@
 //! Nothing is found in healthy traffic.
 
 #[cfg(test)]
+mod accused;
+#[cfg(test)]
 mod block;
 #[cfg(test)]
 mod bus;
@@ -30,10 +32,14 @@ mod sdo;
 #[cfg(test)]
 mod statistics;
 #[cfg(test)]
+mod steady;
+#[cfg(test)]
 mod stories;
 #[cfg(test)]
 mod together;
 #[cfg(test)]
 mod traffic;
+#[cfg(test)]
+mod unfinished;
 #[cfg(test)]
 mod unusual;

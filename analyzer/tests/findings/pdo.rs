@@ -69,7 +69,7 @@ fn a_cyclic_pdo_that_is_irregular() {
     let mut traffic = machine();
     traffic.silence(0x283, 5_000, END);
     // Every third PDO waits for 20 ms.
-    for n in 0..400_u64 {
+    for n in 0..499_u64 {
         traffic.at(5_007 + n * 50 + if n % 3 == 0 { 20 } else { 0 }, "283#0000");
     }
     let finding = traffic.finds("pdo/jitter", Some(3), 5_477);

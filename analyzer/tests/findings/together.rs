@@ -73,15 +73,23 @@ const ELSEWHERE: &[&str] = &[
     "capture/copies",
     "capture/damaged",
     "capture/dropped",
+    "capture/error-flood",
     "capture/error-frames",
     "capture/error-passive",
     "capture/gaps",
     "capture/out-of-order",
     "capture/overrun",
     "encoder/position-frozen",
+    "lss/left-in-configuration",
     "lss/store-wear",
+    "nodes/left-stopped",
+    "pdo/ended",
+    "pdo/length-changed",
     "pdo/sync-jitter",
     "sdo/impatient-client",
+    "sdo/reserved-bits",
+    "sdo/too-early",
+    "sdo/unfinished",
 ];
 
 /// The time of findings that depends on their worst moment; it is not compared.

@@ -1,6 +1,7 @@
 //! The content of PDOs and SRDOs by their mappings (CiA 301, 7.5.2.36 and 7.5.2.38), and its units (CiA 406).
 
 use crate::trace::Trace;
+use canvass_analyzer::dictionary::{DeviceDescription, KnownDevice};
 use canvass_analyzer::network::Event;
 use canvass_analyzer::{NodeId, PdoNumber};
 use canvass_traces::ChannelId;
@@ -237,4 +238,28 @@ fn process_data_follow_every_parameter() {
     }
     shown(&mut trace, 0x6005, 1, 1_000);
     assert_eq!(physical(&position(&mut trace)), "3.6 mm");
+}
+
+/// A mapping of two entries in the description, of which another one is read entry by entry: until the last entry is
+/// read, the mapping is not known.
+#[test]
+fn a_mapping_that_is_read_is_not_mixed_with_the_description() {
+    let entry = "ParameterName=x\nObjectType=7\nAccessType=rw\n";
+    let eds = format!(
+        "[DeviceInfo]\nVendorName=x\n[1A00]\nParameterName=x\nObjectType=9\nSubNumber=3\n\
+         [1A00sub0]\n{entry}DataType=5\nDefaultValue=2\n[1A00sub1]\n{entry}DataType=7\nDefaultValue=0x21000010\n\
+         [1A00sub2]\n{entry}DataType=7\nDefaultValue=0x21010010\n"
+    );
+    let device = KnownDevice::described(DeviceDescription::read(eds.as_bytes()).unwrap());
+    let mut trace = Trace::new();
+    trace.network.describe(NodeId::new(5).unwrap(), device);
+    let text = |trace: &mut Trace| trace.say("185#01 00 02 00").text;
+    assert!(text(&mut trace).contains("2100h"), "the mapping of the description");
+    shown(&mut trace, 0x1A00, 0, 2);
+    assert!(text(&mut trace).contains("2100h"), "what was read is as described");
+    shown(&mut trace, 0x1A00, 1, 0x2200_0010);
+    assert!(text(&mut trace).contains("mapping not known"), "{}", text(&mut trace));
+    shown(&mut trace, 0x1A00, 2, 0x2201_0010);
+    let read = text(&mut trace);
+    assert!(read.contains("2200h") && read.contains("2201h"), "{read}");
 }

@@ -22,7 +22,7 @@ pub enum Fault {
     /// NMT commands to node-ID 0 are ignored.
     #[row(fuzz = Allowed("other-nodes"))]
     NmtBroadcastIgnored,
-    /// NMT commands to other nodes are obeyed.
+    /// NMT commands to other nodes are executed.
     #[row(fuzz = Allowed("other-nodes"))]
     NmtNodeIdIgnored,
     /// A reserved NMT command puts the node into stopped.
@@ -33,13 +33,14 @@ pub enum Fault {
     NmtStartWhenStoppedIgnored,
     /// Reset communication does not restore unsaved communication parameters.
     NmtResetCommunicationKeepsParameters,
-    /// A lasting error of the hardware, which EMCY 5000h tells after each start, keeps the device out of operational.
+    /// A persistent hardware error, which EMCY 5000h reports after each start, prevents the device from entering
+    /// operational.
     NmtStartRefusedInError,
     /// Stop remote node is ignored in operational.
     NmtStopWhenOperationalIgnored,
     /// Enter pre-operational is ignored.
     NmtEnterPreOperationalIgnored,
-    /// A command for the state that the node is in already restarts it.
+    /// An NMT command to the current state restarts the node.
     NmtRepeatedCommandResets,
     /// An NMT frame without node-ID is taken as a command to the node.
     #[row(fuzz = Allowed("other-nodes"))]
@@ -48,9 +49,9 @@ pub enum Fault {
     NmtResetNodeKeepsParameters,
     /// The SDO server does not answer in operational.
     SdoSilentWhenOperational,
-    /// The bytes of a segment that was refused are given as the next value of four bytes that is read.
+    /// The next upload of a value of four bytes returns the bytes of a segment that was refused.
     SdoRefusedSegmentServed,
-    /// A download segment during an upload is refused, and overwrites the value that is being uploaded.
+    /// A download segment during an upload is refused, but overwrites the value of the upload.
     #[row(fuzz = Never(StringChanged))]
     SdoSegmentWrittenInUpload,
     /// A segment without a transfer is not answered.
@@ -61,15 +62,15 @@ pub enum Fault {
     SdoUnsizedDownloadSilent,
     /// The SDO server answers in stopped.
     SdoAnsweredWhenStopped,
-    /// A request that comes in stopped is answered once stopped is left.
+    /// A request that arrives in stopped is answered after the device has left stopped.
     SdoRequestKeptOverStop,
-    /// Heartbeats say pre-operational in every state.
+    /// Heartbeats show pre-operational in every state.
     HeartbeatWrongState,
-    /// Heartbeats come at twice the time of 1017h.
+    /// Heartbeats have twice the period of 1017h.
     HeartbeatPeriodDoubled,
     /// Writing 0 to 1017h does not end the heartbeat.
     HeartbeatNotStopped,
-    /// Aborts name the object of the transfer before.
+    /// Aborts name the object of the previous transfer.
     SdoStaleMultiplexer,
     /// An object that does not exist is refused with abort 0609 0011h.
     SdoWrongCodeForNoObject,
@@ -99,11 +100,11 @@ pub enum Fault {
     SdoConfirmationToggleStuck,
     /// The last segment of an upload is not marked as the last.
     SdoUploadEndMissing,
-    /// A segmented upload announces one byte more than it has.
+    /// A segmented upload announces one byte more than the value has.
     SdoAnnouncedSizeWrong,
-    /// After the last segment of an upload more can be asked for.
+    /// A request for a further segment after the last segment of an upload is answered.
     SdoSegmentAfterEndAnswered,
-    /// Each segment of a download goes into the object at once, before the transfer is complete.
+    /// Each segment of a download is written to the object immediately, before the transfer is complete.
     SdoSegmentsWrittenAtOnce,
     /// Objects of up to four bytes can't be written in segments.
     #[row(fuzz = Never(Refusal))]
@@ -116,28 +117,28 @@ pub enum Fault {
     SdoReadOnlySegmentedAccepted,
     /// An abort of the client does not end the transfer.
     SdoAbortIgnored,
-    /// A command that has no place in the transfer under way is not answered.
+    /// A command that is not allowed in the current transfer is not answered.
     SdoWrongCommandIgnored,
-    /// Commands of a block transfer without one are not answered.
+    /// Commands of a block transfer are not answered when no block transfer is in progress.
     SdoStrayBlockSilent,
     /// A new request during a segmented download is refused with abort 0504 0001h.
     SdoBusyAfterAbandonedDownload,
-    /// A request that comes before the answer to the last one changes the object that this answer names.
+    /// A second request before the answer to the first changes the object that this answer names.
     #[row(model = "kuebler-sendix-58x8", fuzz = Never(OverlappingRequest))]
     SdoBackToBackMixed,
     /// Every hundredth request is not answered.
     #[row(fuzz = Never(AfterManyRequests))]
     SdoResponseLost,
-    /// After a request of less than eight bytes the SDO server is dead.
+    /// The SDO server stops working after a request of fewer than eight bytes.
     SdoShortRequestWedges,
     /// A remote frame with the CAN-ID of SDO requests is answered.
     SdoRemoteAnswered,
-    /// A 29-bit frame whose identifier ends like that of SDO requests is answered.
+    /// A 29-bit frame whose lower 11 bits are the CAN-ID of SDO requests is answered.
     SdoExtendedAnswered,
-    /// SDO requests to the next node-ID are answered too.
+    /// SDO requests to the next higher node-ID are also answered.
     #[row(fuzz = Allowed("other-nodes"))]
     SdoOtherNodeAnswered,
-    /// After a transfer that the client did not go on with the SDO server is dead.
+    /// The SDO server stops working after a transfer that the client did not continue.
     SdoTimeoutWedges,
     /// Requests to objects that do not exist are not answered.
     SdoNoObjectSilent,
@@ -150,7 +151,7 @@ pub enum Fault {
     SdoRangeWrongCode,
     /// Wrong command specifiers are refused with abort 0800 0000h.
     SdoCommandWrongCode,
-    /// A sub-index that does not exist is refused with abort 0A00 0001h, which nobody defines.
+    /// A sub-index that does not exist is refused with abort 0A00 0001h, which no standard defines.
     SdoUnknownAbortCode,
     /// Reading a write-only object is refused with abort 0602 0000h.
     SdoWriteOnlyWrongCode,
@@ -163,55 +164,55 @@ pub enum Fault {
     SdoBlockSizeUnchecked,
     /// Wrong block sizes are refused with abort 0609 0030h.
     SdoBlockSizeWrongCode,
-    /// A block upload goes on with the next block, whatever the client confirms.
+    /// A block upload continues with the next block, whatever the client confirms.
     SdoBlockConfirmationIgnored,
     /// The confirmation of segments that were not sent is accepted.
     SdoBlockConfirmationUnchecked,
-    /// After a lost segment the whole block is sent again, not what was not confirmed.
+    /// After a lost segment the whole block is sent again instead of the unconfirmed segments.
     SdoBlockRepeatsAll,
     /// All blocks of an upload have the size of the first.
     SdoBlockNewSizeIgnored,
-    /// A block upload announces one byte more than it has.
+    /// A block upload announces one byte more than the value has.
     SdoBlockAnnouncedSizeWrong,
-    /// The end of a block upload counts one unused byte too many.
+    /// The end of a block upload gives one unused byte too many.
     SdoBlockLastLengthWrong,
-    /// The end of a block upload of 7 bytes, or a multiple, says that the last segment holds none.
+    /// The end of a block upload of a multiple of 7 bytes tells that the last segment holds no data.
     SdoBlockSevenEndsEmpty,
     /// The CRC of block uploads starts with FFFFh.
     SdoBlockCrcStartWrong,
     /// The CRC of block uploads has its bytes in the wrong order.
     SdoBlockCrcSwapped,
-    /// The end of a block upload without CRC holds one all the same.
+    /// The end of a block upload without CRC contains a CRC.
     SdoBlockCrcUnasked,
     /// The last segment of a block upload is not marked as the last.
     SdoBlockEndUnmarked,
     /// The sequence numbers of a block upload do not begin with 1 in every block.
     SdoBlockNumbersContinue,
-    /// The server asks for blocks of no segments.
+    /// The server requests blocks of 0 segments.
     SdoBlockSizeZeroOffered,
     /// A block download to a read-only object is confirmed, without effect.
     SdoBlockReadOnlyAccepted,
     /// Every block download is refused with abort 0607 0013h.
     #[row(fuzz = Never(Refusal))]
     SdoBlockDownloadRefused,
-    /// A segment with sequence number 0 is taken for none.
+    /// A segment with sequence number 0 is ignored.
     #[row(fuzz = Never(OpenAnswer))]
     SdoBlockSequenceZeroIgnored,
-    /// A segment that comes twice is taken twice.
+    /// The data of a repeated segment is written twice.
     SdoBlockRepeatedAppended,
-    /// A block download goes on over a lost segment.
+    /// A block download continues although a segment was lost.
     SdoBlockGapAccepted,
-    /// The unused bytes of the last segment of a block download are taken as data.
+    /// The unused bytes of the last segment of a block download are stored as data.
     SdoBlockPaddingKept,
     /// The CRC of block downloads is not checked.
     SdoBlockCrcIgnored,
-    /// A block download without CRC is checked for one, once another one had it.
+    /// The CRC of a block download without CRC is checked after a block download with CRC.
     SdoBlockCrcKept,
     /// A wrong CRC is refused with abort 0800 0000h.
     SdoBlockCrcWrongCode,
     /// The value of a block download is written before its CRC is checked.
     SdoBlockWrittenBeforeCheck,
-    /// A block download of another size than announced is accepted.
+    /// A block download whose size differs from the announced size is accepted.
     SdoBlockSizeMismatchAccepted,
     /// The confirmation of a downloaded block counts one segment too few.
     SdoBlockCountOffByOne,
@@ -222,31 +223,31 @@ pub enum Fault {
     /// Reserved bytes of SDO responses hold old data.
     #[row(model = "kuebler-sendix-58x8")]
     SdoUnusedBytesNotZero,
-    /// SDO responses have only as many bytes as they need.
+    /// SDO responses have fewer than eight bytes if they carry less data.
     #[row(model = "kuebler-sendix-58x8")]
     SdoShortResponse,
     /// 1018h:01 is 0.
     #[row(fuzz = Never(WrongFromPowerOn))]
     VendorIdZero,
-    /// 1000h names device profile 401 instead of that of an encoder.
+    /// 1000h names device profile 401 instead of the encoder profile.
     #[row(model = "kuebler-sendix-58x8", fuzz = Never(WrongFromPowerOn))]
     DeviceTypeProfileWrong,
     /// 1018h:03 does not exist, although LSS needs it.
     IdentityRevisionMissing,
     /// 1001h does not exist.
     ErrorRegisterMissing,
-    /// 1008h ends in bytes that are not printable.
+    /// 1008h ends with bytes that are not printable.
     #[row(fuzz = Never(WrongFromPowerOn))]
     DeviceNameWithGarbage,
     /// TPDOs are sent in pre-operational.
     TpdoInPreOperational,
-    /// TPDOs come at twice the time of their event timer.
+    /// TPDOs have twice the period of their event timer.
     EventTimerDoubled,
     /// Heartbeats have bit 7 set.
     HeartbeatToggles,
     /// The heartbeat ends when the NMT state changes.
     HeartbeatLostOnStateChange,
-    /// 1016h takes two entries for one node.
+    /// 1016h accepts two entries for one node.
     HeartbeatConsumerDoubleAccepted,
     /// The toggle bit of node guarding answers does not alternate.
     GuardingToggleStuck,
@@ -265,32 +266,32 @@ pub enum Fault {
     RestrictedCanIdAccepted,
     /// Reserved transmission types are accepted.
     ReservedTransmissionTypeAccepted,
-    /// The mapping can be changed while it is in use.
+    /// The mapping can be changed while the PDO is valid.
     MappingChangeWhileValid,
     /// Mappings of more than 64 bits are accepted.
     #[row(model = "kuebler-sendix-58x8")]
     MappingTooLongAccepted,
-    /// Objects that are not for PDOs can be mapped.
+    /// Objects that are not PDO-mappable can be mapped.
     UnmappableObjectMapped,
     /// 6200h does not change the event timer of TPDO 1.
     #[row(model = "kuebler-sendix-58x8", fuzz = Never(LinkedTimer))]
     CyclicTimerNotLinked,
-    /// 1010h and 1011h take any value as their signature.
+    /// 1010h and 1011h accept any value as their signature.
     #[row(fuzz = Allowed("nvm"))]
     StoreSignatureUnchecked,
-    /// 1010h confirms, but nothing is stored.
+    /// 1010h confirms "save", but stores nothing.
     #[row(fuzz = Never(AfterStore))]
     StoreWithoutEffect,
-    /// 1011h restores the values at once instead of at the next reset.
+    /// 1011h restores the defaults immediately instead of at the next reset.
     #[row(fuzz = Never(AfterStore))]
     RestoreAtOnce,
     /// EMCY messages are sent in stopped.
     EmcyWhenStopped,
-    /// No EMCY 0000h when an error is gone.
+    /// The device sends no EMCY 0000h when an error is gone.
     EmcyResetMissing,
     /// An EMCY message is sent twice.
     EmcyRepeated,
-    /// 1001h does not have its generic bit set together with others.
+    /// The generic bit of 1001h is not set together with other bits.
     #[row(fuzz = Never(AlarmBits))]
     ErrorRegisterGenericMissing,
     /// Writing 0 to 1003h:00 does not clear the history.
@@ -304,10 +305,10 @@ pub enum Fault {
     /// 6003h is confirmed, but the position does not change.
     #[row(model = "kuebler-sendix-58x8", fuzz = Never(MeasuredValue))]
     PresetIgnored,
-    /// 6003h takes values outside the measuring range.
+    /// 6003h accepts values outside the measuring range.
     #[row(model = "kuebler-sendix-58x8", fuzz = Never(ProfileLimits))]
     PresetOutOfRangeAccepted,
-    /// 6000h bit 0 does not turn the direction of counting.
+    /// Bit 0 of 6000h does not reverse the direction of counting.
     #[row(model = "kuebler-sendix-58x8", fuzz = Never(MeasuredValue))]
     CodeSequenceIgnored,
     /// 6001h and 6002h do not scale the position.
@@ -316,11 +317,11 @@ pub enum Fault {
     /// 6500h does not follow 6000h.
     #[row(model = "kuebler-sendix-58x8", fuzz = Never(MeasuredValue))]
     OperatingStatusStuck,
-    /// Reset communication loads application parameters anew too.
+    /// Reset communication also resets application parameters.
     NmtResetCommunicationRestoresAll,
-    /// Of NMT commands within one millisecond only the first one is obeyed.
+    /// Only the first of several NMT commands within one millisecond is executed.
     NmtCommandLost,
-    /// Frames with 29-bit identifiers are taken for those with the same lower 11 bits.
+    /// Frames with 29-bit identifiers are handled like frames with the same lower 11 bits.
     ExtendedFrameObeyed,
     /// Every eighth reset ends without a boot-up message.
     #[row(fuzz = Never(AfterManyRequests))]
@@ -330,18 +331,18 @@ pub enum Fault {
     EmcyBeforeBootUp,
     /// The SDO server answers before the boot-up message.
     SdoAnsweredBeforeBootUp,
-    /// The device waits in pre-operational, whatever 1F80h says.
+    /// The device stays in pre-operational, whatever 1F80h contains.
     #[row(fuzz = Never(AfterStore))]
     StartUpIgnored,
     /// Heartbeat times are rounded up to multiples of 64 ms.
     HeartbeatTimerRounded,
-    /// A new heartbeat time while heartbeats are sent causes a burst of them.
+    /// A new heartbeat time that is written while heartbeats are sent causes a burst of heartbeats.
     #[row(fuzz = Never(BeforeConfirmation))]
     HeartbeatBurst,
     /// The first heartbeat after a reset comes three periods after the boot-up message.
     #[row(fuzz = Never(AfterStore))]
     HeartbeatLateAfterBootUp,
-    /// A heartbeat shows the state at the heartbeat before.
+    /// A heartbeat shows the state at the time of the previous heartbeat.
     HeartbeatStateLate,
     /// Reset communication does not reset the toggle bit of node guarding.
     GuardingToggleNotReset,
@@ -350,78 +351,78 @@ pub enum Fault {
     /// Life guarding begins without a first remote frame of the master.
     #[row(fuzz = Never(LossNoticed))]
     LifeGuardingStartsAtOnce,
-    /// The master is missed after the guard time, whatever the life time factor is.
+    /// The loss of the master is reported after the guard time, whatever the life time factor is.
     #[row(fuzz = Never(LossNoticed))]
     LifeTimeFactorIgnored,
     /// The loss of a node is reported although no heartbeat of the node was ever received.
     #[row(fuzz = Never(LossNoticed))]
     HeartbeatConsumerStartsAtOnce,
-    /// Node 1 is not watched, whatever 1016h says.
+    /// Node 1 is not monitored, whatever 1016h contains.
     #[row(fuzz = Never(LossNoticed))]
     HeartbeatConsumerDeafToNodeOne,
-    /// While the device is stopped, heartbeats of watched nodes do not count.
+    /// Heartbeats of monitored nodes do not count while the device is stopped.
     #[row(fuzz = Never(LossNoticed))]
     HeartbeatConsumerDeafWhenStopped,
-    /// Each write to any object begins watching anew, as if no heartbeat had come yet.
+    /// Each write to any object restarts monitoring, as if no heartbeat had come yet.
     #[row(fuzz = Never(LossNoticed))]
     HeartbeatConsumerRestartedByWrites,
-    /// A node is watched on after a reset that has emptied 1016h.
+    /// The device still monitors a node after a reset has cleared 1016h.
     #[row(fuzz = Never(LossNoticed))]
     HeartbeatConsumerOutlivesReset,
-    /// A node that was missed once is not noticed when it is back.
+    /// The return of a lost node is not detected.
     #[row(fuzz = Never(LossNoticed))]
     HeartbeatConsumerNotRearmed,
-    /// Only the first entry of 1016h is watched.
+    /// Only the first entry of 1016h monitors its node.
     #[row(fuzz = Never(LossNoticed))]
     HeartbeatConsumerFirstOnly,
-    /// 1029h has no effect: the NMT state never changes by an error.
+    /// 1029h has no effect: an error never changes the NMT state.
     #[row(fuzz = Never(ErrorBehaviour))]
     ErrorBehaviourIgnored,
-    /// 1029h takes reserved values.
+    /// 1029h accepts reserved values.
     ErrorBehaviourUnchecked,
     /// With 1029h:01 = 0 an error in stopped leads to pre-operational.
     #[row(fuzz = Never(ErrorBehaviour))]
     ErrorBehaviourLeavesStopped,
-    /// RPDOs act in pre-operational.
+    /// RPDOs take effect in pre-operational.
     RpdoInPreOperational,
-    /// RPDOs that are too short act, with zeros for what is missing.
+    /// RPDOs that are too short take effect, with zeros in place of the missing bytes.
     #[row(fuzz = Never(PdoLength))]
     RpdoLengthUnchecked,
     /// An RPDO that is too short is ignored without EMCY.
     #[row(fuzz = Never(PdoLength))]
     ShortRpdoUnreported,
-    /// RPDOs that are longer than their mapping don't act.
+    /// RPDOs that are longer than their mapping have no effect.
     #[row(fuzz = Never(PdoLength))]
     LongRpdoIgnored,
-    /// An RPDO that is longer than its mapping is reported as one that is late, EMCY 8250h.
+    /// An RPDO that is longer than its mapping is reported as a late RPDO, by EMCY 8250h.
     #[row(fuzz = Never(PdoLength))]
     LongRpdoCalledLate,
     /// Synchronous RPDOs don't wait for SYNC.
     #[row(fuzz = Never(WaitingRpdo))]
     SynchronousRpdoActsAtOnce,
-    /// An RPDO that is late is not missed.
+    /// A missing RPDO is not detected after its deadline.
     #[row(fuzz = Never(WaitingRpdo))]
     RpdoDeadlineIgnored,
-    /// The deadline of an RPDO runs on when operational is left.
+    /// The deadline of an RPDO continues to run after the device has left operational.
     #[row(fuzz = Never(WaitingRpdo))]
     RpdoDeadlineOutlivesStop,
-    /// The deadline of an RPDO begins with the first one, and no other one restarts it.
+    /// The deadline of an RPDO starts with the first reception, and later receptions do not restart it.
     #[row(fuzz = Never(WaitingRpdo))]
     RpdoDeadlineNotRestarted,
-    /// Values of a synchronous RPDO that wait for SYNC outlive operational.
+    /// Values of a synchronous RPDO that wait for SYNC are kept when the device leaves operational.
     #[row(fuzz = Never(HeldRpdo))]
     RpdoHeldOverStop,
-    /// RPDOs act although bit 31 of their COB-ID is set.
+    /// RPDOs take effect although bit 31 of their COB-ID is set.
     RpdoReceivedWhenInvalid,
-    /// An RPDO sets values that an SDO can't.
+    /// An RPDO can set values that an SDO download can't.
     #[row(fuzz = Never(ValueByPdo))]
     RpdoRangeUnchecked,
     /// A remote frame with the CAN-ID of an RPDO sets its objects to zero.
     RemoteFrameTakenAsRpdo,
-    /// A TPDO carries one object more than sub-index 0 of its mapping says, where the entry after the last is filled.
+    /// A TPDO carries one object more than sub-index 0 of its mapping counts, if the following entry is set.
     #[row(fuzz = Never(TpdoContents))]
     TpdoBeyondCount,
-    /// TPDOs come one millisecond later than their event timer says.
+    /// The period of TPDOs is one millisecond longer than their event timer.
     #[row(fuzz = Never(WithinTolerance))]
     EventTimerOffByOne,
     /// The inhibit time counts in milliseconds instead of 100 microseconds.
@@ -439,19 +440,19 @@ pub enum Fault {
     /// The SYNC start value of TPDOs has no effect.
     #[row(fuzz = Never(SyncCount))]
     SyncStartValueIgnored,
-    /// TPDOs of transmission type n go on counting SYNCs where they stopped.
+    /// The SYNC count of TPDOs of transmission type n does not restart when the device becomes operational.
     #[row(fuzz = Never(SyncCount))]
     SyncCountNotReset,
     /// Event-driven TPDOs are not sent when the device becomes operational.
     #[row(fuzz = Never(TpdoEvent))]
     TpdoNotSentAtStart,
-    /// A change of value within the inhibit time of a TPDO is never sent.
+    /// A change of the value within the inhibit time of a TPDO is never sent.
     #[row(fuzz = Never(TpdoEvent))]
     TpdoLostWhenInhibited,
     /// Remote frames are answered although bit 30 of the COB-ID is set.
     #[row(fuzz = Never(RemoteFrame))]
     RemoteFrameAnsweredWhenNotAllowed,
-    /// A TPDO of transmission type 252 holds the values of the remote frame, not of the SYNC.
+    /// A TPDO of transmission type 252 holds the values at the remote frame instead of the values at the last SYNC.
     #[row(fuzz = Never(RemoteFrame))]
     RtrTypeSampledAtOnce,
     /// Transmission types 252 and 253 are accepted although remote frames are not supported.
@@ -468,31 +469,31 @@ pub enum Fault {
     /// A PDO without mapping can be made valid.
     #[row(fuzz = Never(EmptyPdo))]
     EmptyPdoValidated,
-    /// Sub-index 0 of a mapping takes any number of entries.
+    /// Sub-index 0 of a mapping accepts any number of entries.
     MappingCountUnchecked,
     /// Objects that do not exist can be mapped.
     MissingObjectMapped,
     /// Dummy entries can be mapped into TPDOs.
     DummyMappedIntoTpdo,
-    /// SYNC is produced at twice the time of 1006h.
+    /// SYNC is produced with twice the period of 1006h.
     #[row(fuzz = Never(OwnSyncOrTime))]
     SyncPeriodDoubled,
     /// SYNC is produced in stopped.
     #[row(fuzz = Never(OwnSyncOrTime))]
     SyncWhenStopped,
-    /// The SYNC counter goes on where it stopped.
+    /// The SYNC counter does not restart after stopped.
     #[row(fuzz = Never(OwnSyncOrTime))]
     SyncCounterNotReset,
     /// The SYNC counter begins with 0.
     #[row(fuzz = Never(OwnSyncOrTime))]
     SyncCounterFromZero,
-    /// 1019h takes 1 and values above 240.
+    /// 1019h accepts 1 and values above 240.
     SyncOverflowUnchecked,
     /// 1019h can be changed while 1006h is not 0.
     SyncOverflowChangeWhileProducing,
     /// The CAN-ID of SYNC can be changed while SYNC is produced.
     SyncIdChangeWhileProducing,
-    /// SYNC messages of a wrong length are obeyed.
+    /// SYNC messages with a wrong length are accepted.
     #[row(fuzz = Never(OpenAnswer))]
     SyncLengthUnchecked,
     /// TIME does not set the clock.
@@ -514,7 +515,7 @@ pub enum Fault {
     /// Errors within the inhibit time of EMCY are never reported.
     #[row(fuzz = Never(EmcyMissing))]
     EmcyLostWhenInhibited,
-    /// Errors that come in stopped are never reported.
+    /// Errors that occur in stopped are never reported.
     #[row(fuzz = Never(EmcyMissing))]
     EmcyLostWhenStopped,
     /// The CAN-ID of EMCY can be changed while EMCY is valid.
@@ -524,13 +525,13 @@ pub enum Fault {
     /// Each reading of 1001h sends EMCY 0000h.
     #[row(fuzz = Never(AlarmBits))]
     EmcyResetUnasked,
-    /// EMCY messages that wait for the inhibit time outlive reset communication.
+    /// EMCY messages that wait for the inhibit time are sent after reset communication.
     #[row(fuzz = Never(AlarmBits))]
     EmcySurvivesReset,
-    /// EMCY comes on 080h + node-ID whatever CAN-ID is written to 1014h.
+    /// EMCY is sent on 080h + node-ID, whatever CAN-ID is written to 1014h.
     #[row(fuzz = Never(FoundSometimes))]
     EmcyKeepsCanId,
-    /// With another CAN-ID than 080h + node-ID in 1014h EMCY comes as a remote frame.
+    /// EMCY is sent as a remote frame if 1014h has another CAN-ID than 080h + node-ID.
     #[row(fuzz = Never(FoundSometimes))]
     EmcyMovedIsRemote,
     /// EMCY messages hold 0 instead of the error register.
@@ -538,30 +539,30 @@ pub enum Fault {
     /// 1003h shows the oldest error first.
     #[row(fuzz = Never(ErrorHistory))]
     ErrorHistoryReversed,
-    /// Emptying 1003h ends all errors, which EMCY 0000h says.
+    /// Clearing 1003h ends all errors, and EMCY 0000h reports that.
     #[row(fuzz = Never(ErrorHistory))]
     HistoryClearsRegister,
-    /// A new error moves no more than two entries of 1003h: those after them show the second.
+    /// A new error moves only the first two entries of 1003h: all entries after them show the second error.
     #[row(fuzz = Never(ErrorHistory))]
     ErrorHistoryMovesTwo,
-    /// 1003h:00 counts beyond the entries that there are.
+    /// 1003h:00 counts more errors than 1003h has entries.
     #[row(fuzz = Never(ErrorHistory))]
     ErrorHistoryOverflows,
-    /// 1003h:00 takes values other than 0.
+    /// 1003h:00 accepts values other than 0.
     ErrorHistoryNonZeroAccepted,
     /// Entries of 1003h that hold no error read as 0.
     #[row(fuzz = Never(ErrorHistory))]
     ErrorHistoryEmptyReadsZero,
-    /// 1011h takes any value as its signature.
+    /// 1011h accepts any value as its signature.
     #[row(fuzz = Allowed("factory-defaults"))]
     RestoreSignatureUnchecked,
-    /// After 1010h each value that is written is stored too.
+    /// After "save", later writes are stored as well.
     #[row(fuzz = Never(AfterStore))]
     LaterValuesStored,
     /// 1010h and 1011h check the signature at sub-index 1 only.
     #[row(fuzz = Allowed("nvm"))]
     StoreSignatureFirstOnly,
-    /// 1011h confirms, but the stored values stay.
+    /// 1011h confirms "load", but the stored values stay.
     #[row(fuzz = Never(AfterStore))]
     RestoreWithoutEffect,
     /// Every sub-index of 1011h restores all parameters.
@@ -578,34 +579,34 @@ pub enum Fault {
     StoreTornByReset,
     /// Switch selective does not compare the serial number.
     LssSelectiveThreeParts,
-    /// Switch selective takes the parts of the address in any order.
+    /// Switch selective accepts the parts of the address in any order.
     LssSelectiveAnyOrder,
     /// Identify remote slave excludes the upper bounds.
     LssIdentifyRangeExclusive,
     /// A device with a node-ID answers identify non-configured remote slave.
     LssNonConfiguredAnswered,
-    /// Reserved modes of switch global lead to waiting.
+    /// Reserved modes of switch global switch the slave to waiting.
     #[row(fuzz = Never(OpenAnswer))]
     LssReservedModeWaits,
     /// LSS confirms bit rates that don't exist.
     #[row(fuzz = Allowed("bit-rate"))]
     LssBitTimingUnchecked,
-    /// LSS refuses bit rates with the manufacturer's error code.
+    /// LSS refuses bit rates with the manufacturer-specific error code.
     #[row(fuzz = Never(OpenAnswer))]
     LssBitTimingWrongCode,
-    /// The confirmation of storing by LSS holds a specific error code although there is no error.
+    /// The LSS confirmation of store configuration contains a specific error code although there is no error.
     #[row(fuzz = Allowed("nvm"))]
     LssStoreSpecificError,
-    /// LSS confirms storing, but nothing is stored.
+    /// LSS confirms store configuration, but stores nothing.
     #[row(fuzz = Never(AfterStore))]
     LssStoreNotPersistent,
-    /// A node-ID configured by LSS acts before the reset.
+    /// A node-ID configured by LSS takes effect before the reset.
     #[row(fuzz = Allowed("node-id"))]
     LssNodeIdAtOnce,
     /// Activate bit timing does not wait for its delay.
     #[row(fuzz = Never(BitRate))]
     LssActivatesAtOnce,
-    /// Fastscan ends at any part of the address after which the master goes back.
+    /// Fastscan ends at any part of the address after which the master returns to the first part.
     FastscanEarlyMatch,
     /// An entry of 1016h for a node-ID above 127 stops the firmware.
     HeartbeatConsumerHangs,
@@ -615,12 +616,12 @@ pub enum Fault {
     FastscanHangs,
     /// A device with a node-ID takes part in Fastscan.
     FastscanAnsweredWhenConfigured,
-    /// A device without node-ID starts as node 127.
+    /// A device without node-ID starts with node-ID 127.
     UnconfiguredNodeBoots,
     /// Many frames in a short time make the watchdog reset the device.
     #[row(fuzz = Never(AfterManyRequests))]
     WatchdogResetUnderLoad,
-    /// The SDO server is out of memory after 500 requests, and silent from then on.
+    /// The SDO server runs out of memory after 500 requests, and no longer answers.
     #[row(fuzz = Never(AfterManyRequests))]
     SdoMemoryLeak,
     /// 11-bit CAN-IDs above 7FFh are accepted for PDOs.
@@ -628,50 +629,50 @@ pub enum Fault {
     /// The CAN-IDs 550h to 57Fh are refused as if CiA 301 restricted them.
     #[row(fuzz = Never(Refusal))]
     CanIdsTakenForRestricted,
-    /// While a PDO is valid only the bits 7 to 10 of its CAN-ID can't be changed.
+    /// While a PDO is valid, only bits 7 to 10 of its CAN-ID are protected against changes.
     #[row(fuzz = Never(FoundSometimes))]
     CanIdLowBitsMovable,
-    /// The bits 11 to 28 of 1005h and 1014h are not checked.
+    /// Bits 11 to 28 of 1005h and 1014h are not checked.
     #[row(fuzz = Never(FoundSometimes))]
     CobIdBitsUnchecked,
-    /// Bit 29 of 1014h, 1028h and 1201h is taken, and does nothing.
+    /// Bit 29 of 1014h, 1028h and 1201h is accepted, but has no effect.
     #[row(fuzz = Never(FoundSometimes))]
     CobIdFrameBitTaken,
     /// 1012h, which is described as writable, refuses each value with abort 0609 0030h.
     #[row(fuzz = Never(Refusal))]
     TimeIdRefused,
-    /// While an entry of 1016h watches a node, the others take no other node: abort 0604 0043h.
+    /// While an entry of 1016h monitors a node, the other entries refuse any other node with abort 0604 0043h.
     #[row(fuzz = Never(Refusal))]
     ConsumerEntriesExclude,
-    /// A SYNC start value does nothing if 1019h is written after it.
+    /// A SYNC start value has no effect if 1019h is written after it.
     #[row(fuzz = Never(SyncCount))]
     LateSyncCounterOverlooked,
-    /// With a SYNC start value each TPDO waits for the SYNC of that number, not only the first.
+    /// With a SYNC start value, every TPDO waits for the SYNC with that counter value, not only the first TPDO.
     #[row(fuzz = Never(SyncCount))]
     SyncStartAgain,
-    /// EMCY 0000h carries the error register as it was before.
+    /// EMCY 0000h carries the error register from before the end of the error.
     #[row(fuzz = Never(EmcyReported))]
     EmcyResetRegisterWrong,
     /// In units per second the speed counts physical steps, whatever 6001h says.
     #[row(model = "reference-406", fuzz = Never(ShaftTurning))]
     SpeedInPhysicalSteps,
-    /// With scaling on the position without offset is 0, wherever the shaft stands.
+    /// With scaling on, the position without offset is always 0.
     #[row(model = "reference-406", fuzz = Never(MeasuredValue))]
     ScaledPositionStands,
     /// 6001h and 6002h, which are described as writable, refuse each value with abort 0609 0030h.
     #[row(model = "reference-406", fuzz = Never(Refusal))]
     ScalingRefused,
-    /// 6001h takes no value below the one that it has.
+    /// 6001h refuses values below its current value.
     #[row(model = "reference-406", fuzz = Never(Refusal))]
     UnitsFewerRefused,
-    /// 6002h takes no value below the one that it has.
+    /// 6002h refuses values below its current value.
     #[row(model = "reference-406", fuzz = Never(Refusal))]
     RangeSmallerRefused,
-    /// Of the objects that an RPDO maps only the first gets its value.
+    /// Only the first mapped object of an RPDO receives its value.
     #[row(fuzz = Never(FoundSometimes))]
     RpdoFirstObjectOnly,
-    /// Inhibit time and SYNC start value of a TPDO, which are described as writable, refuse each other value, also
-    /// while the PDO is off.
+    /// Inhibit time and SYNC start value of a TPDO, which are described as writable, refuse every new value, even while
+    /// the PDO is switched off.
     #[row(fuzz = Never(Refusal))]
     PdoTimesRefused,
     /// The mapping of TPDO 1 as delivered has a wrong length.
@@ -679,48 +680,48 @@ pub enum Fault {
     /// Dummy entries can't be mapped into RPDOs.
     #[row(fuzz = Never(Refusal))]
     DummyRefused,
-    /// 1014h names another CAN-ID than the one that EMCY has.
+    /// 1014h contains another CAN-ID than EMCY messages have.
     EmcyIdWrong,
-    /// With 1029h:01 = 1 an error leads to pre-operational all the same.
+    /// With 1029h:01 = 1, an error still leads to pre-operational.
     #[row(fuzz = Never(ErrorBehaviour))]
     ErrorBehaviourAlwaysLeaves,
-    /// 1003h:00 stays 0, whatever happens.
+    /// 1003h:00 always stays 0.
     #[row(fuzz = Never(ErrorHistory))]
     ErrorHistoryNotKept,
     /// Bit 29 of a COB-ID is accepted and has no effect.
     ExtendedBitAccepted,
     /// Every Fastscan matches, whatever it compares.
     FastscanIgnoresBits,
-    /// An entry of 1016h that was stored is read back after the start, and nobody is watched.
+    /// A stored entry of 1016h reads back after the start, but monitors no node.
     #[row(fuzz = Never(LossNoticed))]
     HeartbeatConsumerForgetsStored,
-    /// A watched node is missed after twice its time.
+    /// The loss of a monitored node is reported after twice its consumer heartbeat time.
     #[row(fuzz = Never(LossNoticed))]
     HeartbeatConsumerLate,
-    /// Only the first heartbeat of a watched node counts.
+    /// Only the first heartbeat of a monitored node counts.
     #[row(fuzz = Never(LossNoticed))]
     HeartbeatConsumerNotRestarted,
-    /// An entry of 1016h whose time is set to 0 goes on watching.
+    /// An entry of 1016h still monitors its node after its time is set to 0.
     #[row(fuzz = Never(LossNoticed))]
     HeartbeatConsumerNotStopped,
-    /// The loss of a watched node is not reported by EMCY.
+    /// The loss of a monitored node is not reported by EMCY.
     #[row(fuzz = Never(LossNoticed))]
     HeartbeatConsumerSilent,
     /// Identify remote slave and identify non-configured remote slave are not answered.
     LssIdentifyUnanswered,
     /// Identify remote slave is answered whatever its bounds are.
     LssIdentifyUnchecked,
-    /// LSS gives the parts of its address with the bytes in the wrong order.
+    /// LSS inquiries return the parts of the address with the bytes in the wrong order.
     LssInquirySwapped,
-    /// LSS gives the node-ID plus one.
+    /// The LSS inquiry of the node-ID returns the node-ID plus one.
     LssNodeIdInquiredWrong,
     /// LSS refuses every node-ID.
     #[row(fuzz = Allowed("node-id"))]
     LssNodeIdRefused,
-    /// LSS confirms a node-ID and forgets it.
+    /// LSS confirms a node-ID, but does not change it.
     #[row(fuzz = Allowed("node-id"))]
     LssNodeIdWithoutEffect,
-    /// LSS confirms a node-ID and configures the next one.
+    /// LSS confirms a node-ID, but configures the next higher one.
     #[row(fuzz = Allowed("node-id"))]
     LssNodeIdMistaken,
     /// Switch selective is answered in configuration.
@@ -728,14 +729,14 @@ pub enum Fault {
     LssSelectiveInConfiguration,
     /// Switch selective compares the serial number only.
     LssSelectiveSerialOnly,
-    /// Switch selective is obeyed but not answered.
+    /// Switch selective is executed but not answered.
     LssSelectiveUnanswered,
     /// LSS responses have five bytes.
     LssShortResponse,
     /// LSS requests of fewer than eight bytes are answered.
     #[row(fuzz = Never(ShortLssRequest))]
     LssShortRequestAnswered,
-    /// LSS is answered, although the description says that there is none.
+    /// LSS requests are answered, although the description says that the device has no LSS.
     #[row(model = "tr-c65", fuzz = Never(Description))]
     LssUndescribed,
     /// Store configuration is not answered.
@@ -746,28 +747,28 @@ pub enum Fault {
     LssSwitchGlobalIgnored,
     /// Reserved LSS commands are answered.
     LssUnknownAnswered,
-    /// Objects can be mapped whatever direction they are for.
+    /// Objects can be mapped into PDOs of either direction.
     MappingDirectionUnchecked,
-    /// A mapping that was opened can't be switched on again.
+    /// A mapping that was disabled can't be enabled again.
     #[row(fuzz = Never(Refusal))]
     MappingProcedureRefused,
-    /// 1800h:01 names another CAN-ID than the predefined one.
+    /// 1800h:01 contains another CAN-ID than the predefined one.
     PdoIdNotPredefined,
-    /// The bytes of RPDOs are taken in the wrong order.
+    /// The bytes of RPDOs are evaluated in the wrong order.
     RpdoBytesReversed,
     /// RPDO 1 has no effect.
     RpdoIgnored,
-    /// An RPDO that gets another CAN-ID is not received with it.
+    /// An RPDO whose CAN-ID is changed is not received with the new CAN-ID.
     RpdoKeepsCanId,
-    /// RPDOs act in stopped.
+    /// RPDOs take effect in stopped.
     RpdoWhenStopped,
-    /// Writing the COB-ID that a PDO has already is refused.
+    /// Writing the current COB-ID of a PDO is refused.
     #[row(fuzz = Never(Refusal))]
     SameCobIdRefused,
     /// A request on the second SDO channel ends the transfer on the first.
     #[row(fuzz = Never(SecondSdoChannel))]
     SdoChannelsShareTransfer,
-    /// 1200h names another CAN-ID than the one that the server has.
+    /// 1200h contains another CAN-ID than the server uses.
     #[row(fuzz = Never(WrongFromPowerOn))]
     SdoServerIdWrong,
     /// 1010h:01 reads as the signature instead of the capability.
@@ -782,10 +783,10 @@ pub enum Fault {
     /// SYNC with another CAN-ID than the predefined one carries a counter although 1019h is 0.
     #[row(fuzz = Never(OwnSyncOrTime))]
     SyncMovedCounts,
-    /// Reading the error register clears it, though the error is still there.
+    /// Reading the error register clears it, although the error persists.
     #[row(fuzz = Never(LossNoticed))]
     ErrorRegisterReadClears,
-    /// After a reset, stored heartbeat times read back and do nothing until they are written again.
+    /// After a reset, stored heartbeat times read back, but have no effect until they are written again.
     #[row(fuzz = Never(StoredConfiguration))]
     StoredConfigurationIdle,
     /// 600Ch does not change while the shaft turns.
@@ -800,22 +801,21 @@ pub enum Fault {
     /// SYNC of the right length is reported by EMCY 8240h.
     #[row(fuzz = Never(EmcyReported))]
     RightSyncReported,
-    /// COB-ID and mapping of the first PDO of each direction are protected while it is valid, those of the others are
-    /// not.
+    /// Only the first PDO of each direction protects its COB-ID and mapping while it is valid.
     PdoRulesFirstOnly,
-    /// TIME is not sent, though bit 30 of 1012h is taken.
+    /// TIME is not sent, although bit 30 of 1012h is accepted.
     #[row(fuzz = Never(TimeProduced))]
     TimeNotProduced,
-    /// The clock that TIME sets, and 1013h, stand still.
+    /// The clock that TIME sets and the high resolution time stamp, 1013h, stand still.
     #[row(fuzz = Never(TimeConsumed))]
     ClockStands,
     /// Each write of an object sets the high resolution time stamp, 1013h.
     #[row(fuzz = Never(ClockSpeed))]
     StampSetByOthers,
-    /// The return of a watched node that was missed makes the device leave operational, as its loss does.
+    /// The return of a lost node makes the device leave operational, like its loss.
     #[row(fuzz = Never(LossNoticed))]
     ConsumerReturnLeaves,
-    /// 1005h, which is described as writable, refuses each value with abort 0609 0030h, even the one that it has.
+    /// 1005h, which is described as writable, refuses each value with abort 0609 0030h, even its current value.
     #[row(fuzz = Never(Refusal))]
     SyncIdRefused,
     /// A PDO can't be switched off: bit 31 of its COB-ID is refused with abort 0609 0030h.
@@ -824,43 +824,43 @@ pub enum Fault {
     /// 1016h, which is described as writable, refuses each value with abort 0609 0030h.
     #[row(fuzz = Never(Refusal))]
     ConsumerTimeRefused,
-    /// 1005h names another CAN-ID than the predefined one.
+    /// 1005h contains another CAN-ID than the predefined one.
     SyncIdWrong,
     /// Writing 0 to 1006h does not end SYNC.
     #[row(fuzz = Never(OwnSyncOrTime))]
     SyncNotStopped,
-    /// Every seventh SYNC is overlooked.
+    /// Every seventh SYNC is ignored.
     SyncOverlooked,
-    /// The SYNC that the device produces sends none of its own TPDOs.
+    /// The SYNC that the device produces does not trigger its own TPDOs.
     #[row(fuzz = Never(OwnSyncTime))]
     SyncOwnUnheeded,
     /// The first SYNC that the device produces while 1019h is 0 stops the firmware.
     #[row(fuzz = Never(OwnSyncTime))]
     SyncHangsWithoutCounter,
-    /// SYNC is listened to without bit 31 of 1005h, too.
+    /// SYNC is also consumed while bit 31 of 1005h is cleared.
     #[row(model = "tr-c65", fuzz = Never(SyncConsumerBit))]
     SyncConsumerBitIgnored,
     /// A device that can't produce SYNC accepts bit 30 of 1005h.
     #[row(model = "kuebler-sendix-58x8")]
     SyncProducerBitAccepted,
-    /// 1012h names another CAN-ID than the predefined one.
+    /// 1012h contains another CAN-ID than the predefined one.
     #[row(fuzz = Never(WrongFromPowerOn))]
     TimeIdWrong,
     /// The bytes of TPDOs are sent in the wrong order.
     #[row(fuzz = Never(TpdoContent))]
     TpdoBytesReversed,
-    /// A TPDO that gets another CAN-ID is sent with the old one.
+    /// A TPDO whose CAN-ID is changed is still sent with the old one.
     TpdoKeepsCanId,
-    /// After a reset a TPDO comes on the CAN-ID that it was moved to, whatever 1800h:01 reads.
+    /// After a reset a TPDO is sent with the CAN-ID that was written before, whatever 1800h:01 reads.
     #[row(fuzz = Never(FoundSometimes))]
     TpdoIdOutlivesReset,
-    /// A TPDO that is due while the SDO server writes is lost.
+    /// A TPDO that is due while the SDO server writes an object is lost.
     TpdoLostAfterSdo,
     /// Remote frames for TPDO 1 are not answered.
     TpdoRemoteIgnored,
     /// TPDO 1 always has eight bytes.
     TpdoTooLong,
-    /// A device that got its first node-ID by LSS waits for a reset.
+    /// A device that has received its first node-ID by LSS starts only after a reset.
     #[row(fuzz = Allowed("node-id"))]
     UnconfiguredNodeIdWaits,
     /// LSS refuses every bit rate.
@@ -869,33 +869,33 @@ pub enum Fault {
     /// Parts of another address do not end switch selective.
     #[row(fuzz = Never(OpenAnswer))]
     LssSelectiveMismatchIgnored,
-    /// A block upload that becomes a normal one loses the first byte.
+    /// A block upload that switches to a normal upload loses the first byte.
     SdoBlockSwitchTruncates,
-    /// Node guarding answers say pre-operational in every state.
+    /// Node guarding answers show pre-operational in every state.
     #[row(model = "kuebler-sendix-58x8")]
     GuardingWrongState,
     /// Node guarding is not answered while the life time is 0.
     #[row(model = "kuebler-sendix-58x8")]
     GuardingSilentWhenOff,
-    /// The master is missed one guard time too late.
+    /// The loss of the master is reported one guard time too late.
     #[row(model = "kuebler-sendix-58x8", fuzz = Never(LossNoticed))]
     LifeTimeFactorOffByOne,
     /// Setting the life time to 0 does not end life guarding.
     #[row(model = "kuebler-sendix-58x8", fuzz = Never(LossNoticed))]
     LifeGuardingNotStopped,
-    /// A lost master is not reported by an EMCY message.
+    /// The loss of the master is not reported by an EMCY message.
     #[row(model = "kuebler-sendix-58x8", fuzz = Never(LossNoticed))]
     LifeGuardingUnreported,
-    /// 100Dh does not exist, although there is no 1017h either.
+    /// Neither 100Dh nor 1017h exists.
     #[row(model = "tr-c65")]
     ErrorControlMissing,
-    /// 100Eh holds another COB-ID than the one that node guarding uses.
+    /// 100Eh holds another COB-ID than node guarding uses.
     #[row(model = "tr-c65", fuzz = Never(WrongFromPowerOn))]
     GuardingCobIdWrong,
-    /// 100Bh holds another node-ID than the one in use.
+    /// 100Bh holds another node-ID than the device uses.
     #[row(model = "tr-c65", fuzz = Never(WrongFromPowerOn))]
     NodeIdObjectWrong,
-    /// 1004h counts more PDOs than there are.
+    /// 1004h counts more PDOs than the device has.
     #[row(model = "tr-c65", fuzz = Never(WrongFromPowerOn))]
     PdoCountWrong,
     /// Remote frames for a TPDO that allows them are not answered.
@@ -904,22 +904,22 @@ pub enum Fault {
     /// 1001h keeps the bits of an error that is gone.
     #[row(model = "kuebler-sendix-58x8", fuzz = Never(AlarmBits))]
     ErrorRegisterStuck,
-    /// Bit 0 of 1001h is set, with or without an error.
+    /// Bit 0 of 1001h is always set, even without an error.
     #[row(fuzz = Never(AlarmBits))]
     ErrorRegisterNeverClear,
-    /// When one of several errors is gone, 1001h and EMCY 0000h say that all are.
+    /// When one of several errors is gone, 1001h and EMCY 0000h report that all errors are gone.
     #[row(fuzz = Never(AlarmBits))]
     ErrorsClearedTogether,
-    /// Switch mode selective of LMT is answered with 44h, as LSS does.
+    /// Switch mode selective of LMT is answered with 44h, as in LSS.
     #[row(model = "tr-lmp30")]
     LmtSwitchSelectiveAnswered,
-    /// Switch mode selective of LMT takes any serial number.
+    /// Switch mode selective of LMT accepts any serial number.
     #[row(model = "tr-lmp30")]
     LmtSerialNotCompared,
-    /// Switch mode selective of LMT takes any manufacturer and product name.
+    /// Switch mode selective of LMT accepts any manufacturer name and product name.
     #[row(model = "tr-lmp30")]
     LmtNamesNotCompared,
-    /// Reserved modes of switch mode global of LMT lead into configuration.
+    /// Reserved modes of switch mode global of LMT switch the slave to configuration.
     #[row(model = "tr-lmp30", fuzz = Never(OpenAnswer))]
     LmtReservedModeObeyed,
     /// LMT inquiries and configurations are answered in operation.
@@ -934,37 +934,37 @@ pub enum Fault {
     /// LMT confirms node-IDs that don't exist.
     #[row(model = "tr-lmp30", fuzz = Allowed("node-id"))]
     LmtNodeIdUnchecked,
-    /// A node-ID that LMT configures acts at once.
+    /// A node-ID that LMT configures takes effect immediately.
     #[row(model = "tr-lmp30", fuzz = Allowed("node-id"))]
     LmtNodeIdAtOnce,
     /// Store configuration of LMT is not answered.
     #[row(model = "tr-lmp30", fuzz = Allowed("nvm"))]
     LmtStoreSilent,
-    /// The device goes on sending while LMT activates a bit timing.
+    /// The device still sends while LMT activates a bit timing.
     #[row(model = "tr-lmp30", fuzz = Never(BitRate))]
     LmtActivationNotSilent,
-    /// LMT fills names up with FFh instead of 00h.
+    /// LMT pads names with FFh instead of 00h.
     #[row(model = "tr-lmp30")]
     LmtNameUnpadded,
     /// Identify remote slave of LMT is not answered.
     #[row(model = "tr-lmp30")]
     LmtIdentifySilent,
-    /// Identify remote slave of LMT is answered outside the range of serial numbers.
+    /// Identify remote slave of LMT is answered even outside the range of serial numbers.
     #[row(model = "tr-lmp30")]
     LmtIdentifyRangeIgnored,
-    /// LMT inquiries give the serial number in binary.
+    /// LMT inquiries return the serial number in binary.
     #[row(model = "tr-lmp30")]
     LmtSerialNotBcd,
     /// Bits 12 and 13 of 6500h are swapped.
     #[row(model = "lika-ax58", fuzz = Never(MeasuredValue))]
     LimitSwitchesSwapped,
-    /// A limit switch acts on its limit already, not only beyond.
+    /// A limit switch is already active at its limit, not only beyond it.
     #[row(model = "lika-ax58", fuzz = Never(MeasuredValue))]
     LimitSwitchInclusive,
     /// 6001h and 6002h scale the position although bit 2 of 6000h is 0.
     #[row(model = "kuebler-sendix-58x8", fuzz = Never(MeasuredValue))]
     ScalingAlwaysOn,
-    /// 1000h says single-turn of a multi-turn encoder.
+    /// 1000h of a multi-turn encoder contains the type single-turn.
     #[row(model = "kuebler-sendix-58x8", fuzz = Never(WrongFromPowerOn))]
     DeviceTypeTurnsWrong,
     /// 6500h does not exist.
@@ -982,16 +982,16 @@ pub enum Fault {
     /// 6004h can be written.
     #[row(model = "kuebler-sendix-58x8")]
     PositionWritable,
-    /// 6000h takes its reserved bits, and shows them.
+    /// 6000h accepts its reserved bits, and shows them.
     #[row(model = "kuebler-sendix-58x8", fuzz = Never(ProfileLimits))]
     ReservedOperatingBitsAccepted,
-    /// 6001h and 6002h take a range of less than one revolution.
+    /// 6001h and 6002h accept a range of less than one revolution.
     #[row(model = "kuebler-sendix-58x8", fuzz = Never(ProfileLimits))]
     UnitsAboveRangeAccepted,
-    /// 6001h = 0 makes the firmware divide by zero: nothing is answered until a reset.
+    /// 6001h = 0 makes the firmware divide by zero: the device answers no request until a reset.
     #[row(model = "kuebler-sendix-58x8")]
     UnitsZeroWedges,
-    /// 6002h = 0, which stands for 2^32, makes 6004h stay 0.
+    /// 6004h stays 0 if 6002h is 0, which means 2^32.
     #[row(model = "kuebler-sendix-f58", fuzz = Never(MeasuredValue))]
     RangeZeroStops,
     /// The product of position and 6001h is calculated with 32 bits.
@@ -1009,7 +1009,7 @@ pub enum Fault {
     /// After a preset 6004h shows the old position for some milliseconds.
     #[row(model = "kuebler-sendix-58x8", fuzz = Never(MeasuredValue))]
     PresetGlitch,
-    /// A preset outlives a reset without having been stored.
+    /// A preset that was not stored survives a reset.
     #[row(model = "kuebler-sendix-58x8", fuzz = Never(AfterStore))]
     PresetPersists,
     /// 1010h does not store the preset.
@@ -1018,16 +1018,17 @@ pub enum Fault {
     /// TPDOs carry the position without the preset.
     #[row(model = "kuebler-sendix-58x8", fuzz = Never(MeasuredValue))]
     TpdoPositionWithoutPreset,
-    /// A TPDO with an event timer is sent first when that has run out, not when the device becomes operational.
+    /// The first TPDO with an event timer is sent when the timer expires instead of when the device becomes
+    /// operational.
     #[row(model = "kuebler-sendix-58x8", fuzz = Never(TpdoEvent))]
     FirstPositionMissing,
-    /// TPDOs carry what was measured for the TPDO before.
+    /// TPDOs carry the values measured for the previous TPDO.
     #[row(model = "kuebler-sendix-58x8", fuzz = Never(MeasuredValue))]
     TpdoPositionLate,
     /// 6200h = 0 does not end the cyclic transmission.
     #[row(model = "kuebler-sendix-58x8", fuzz = Never(LinkedTimer))]
     CyclicTimerNotStopped,
-    /// 6200h keeps what is written to it, and TPDO 1 its period of before.
+    /// 6200h keeps the written value, but TPDO 1 keeps its previous period.
     #[row(model = "tr-c65", fuzz = Never(LinkedTimer))]
     CyclicTimerIdle,
     /// 6200h does not follow the event timer of TPDO 1.
@@ -1051,10 +1052,10 @@ pub enum Fault {
     /// 6031h:04 does not divide the speed.
     #[row(model = "kuebler-sendix-f58", fuzz = Never(MeasuredValue))]
     SpeedDivisorIgnored,
-    /// 6040h shows the speed instead of how it changes.
+    /// 6040h shows the speed instead of its change.
     #[row(model = "kuebler-sendix-58x8", fuzz = Never(MeasuredValue))]
     AccelerationShowsSpeed,
-    /// 6400h has overflow and underflow the other way round.
+    /// The bits for overflow and underflow of 6400h are swapped.
     #[row(model = "kuebler-sendix-58x8", fuzz = Never(MeasuredValue))]
     WorkAreaBitsSwapped,
     /// Bit 0 of 6400h is set above the work area, and not below it.
@@ -1063,19 +1064,19 @@ pub enum Fault {
     /// 6400h stays 0.
     #[row(model = "kuebler-sendix-58x8", fuzz = Never(MeasuredValue))]
     WorkAreaStuck,
-    /// 6400h says out of range while the position is in the work area.
+    /// 6400h shows out of range while the position is in the work area.
     #[row(model = "kuebler-sendix-58x8", fuzz = Never(MeasuredValue))]
     WorkAreaInverted,
-    /// 6401h takes a low limit above the high limit.
+    /// 6401h accepts a low limit above the high limit.
     #[row(model = "kuebler-sendix-58x8", fuzz = Never(ProfileLimits))]
     WorkAreaLimitsSwappedAccepted,
-    /// 6503h has a bit that 6504h does not support.
+    /// 6503h has a bit set that is not supported by 6504h.
     #[row(model = "kuebler-sendix-58x8", fuzz = Never(AlarmBits))]
     UnsupportedAlarmSet,
     /// 6503h and 6504h have a reserved bit set.
     #[row(model = "kuebler-sendix-58x8", fuzz = Never(AlarmBits))]
     ReservedAlarmBitSet,
-    /// 6505h has a bit that 6506h does not support.
+    /// 6505h has a bit set that is not supported by 6506h.
     #[row(model = "kuebler-sendix-58x8", fuzz = Never(AlarmBits))]
     UnsupportedWarningSet,
     /// A position error is shown by 6503h, but neither by an EMCY nor by 1001h.
@@ -1099,7 +1100,7 @@ pub enum Fault {
     /// 6508h counts seconds instead of tenths of an hour.
     #[row(model = "kuebler-sendix-58x8", fuzz = Never(MeasuredValue))]
     OperatingTimeInSeconds,
-    /// 650Bh is another number than 1018h:04.
+    /// 650Bh differs from 1018h:04.
     #[row(model = "kuebler-sendix-58x8", fuzz = Never(WrongFromPowerOn))]
     SerialNumberDiffers,
     /// 6501h shows 6001h instead of the physical resolution.
@@ -1123,10 +1124,10 @@ pub enum Fault {
     /// The second channel of the position drifts.
     #[row(model = "kuebler-c100", fuzz = Never(MeasuredValue))]
     RedundantChannelDrift,
-    /// The second channel counts up as the first one does.
+    /// The second channel counts up like the first one.
     #[row(model = "kuebler-d125", fuzz = Never(MeasuredValue))]
     RedundantChannelNotNegated,
-    /// 3003h does not turn the direction of the angle.
+    /// 3003h does not reverse the direction of the angle.
     #[row(model = "kuebler-c100", fuzz = Never(MeasuredValue))]
     AngleDirectionIgnored,
     /// 3004h does not change the range of the angle.
@@ -1135,28 +1136,28 @@ pub enum Fault {
     /// The second angle does not run opposite to the first one.
     #[row(model = "kuebler-c100", fuzz = Never(MeasuredValue))]
     RedundantAngleSame,
-    /// 3010h does not make the angle zero.
+    /// 3010h does not set the angle to zero.
     #[row(model = "kuebler-c100", fuzz = Never(MeasuredValue))]
     ZeroPointIgnored,
     /// The EDS has a line that is neither section, field nor comment.
     #[row(fuzz = Never(InDescription))]
     EdsLineWithoutSense,
-    /// The EDS has a section twice.
+    /// The EDS contains a section twice.
     #[row(fuzz = Never(InDescription))]
     EdsSectionTwice,
     /// The EDS does not describe sub-index 0 of 1018h.
     #[row(fuzz = Never(InDescription))]
     EdsSubIndexMissing,
-    /// The EDS has a field twice in a section.
+    /// The EDS contains a field twice in a section.
     #[row(fuzz = Never(InDescription))]
     EdsFieldTwice,
-    /// The EDS gives 1017h no data type.
+    /// The EDS gives no data type for 1017h.
     #[row(fuzz = Never(InDescription))]
     EdsDataTypeMissing,
-    /// The EDS writes a hexadecimal number with h after it.
+    /// The EDS has a hexadecimal number with a trailing h.
     #[row(fuzz = Never(InDescription))]
     EdsNumberUnreadable,
-    /// The EDS gives an integer a default with a decimal point.
+    /// The EDS gives a default with a decimal point for an integer.
     #[row(fuzz = Never(InDescription))]
     EdsFloatDefault,
     /// The EDS counts more sub-indexes of 1018h than it describes.
@@ -1165,13 +1166,13 @@ pub enum Fault {
     /// The EDS counts more TPDOs than it describes.
     #[row(fuzz = Never(InDescription))]
     EdsPdoCountWrong,
-    /// The EDS has its creation date with the year first.
+    /// The creation date of the EDS begins with the year.
     #[row(fuzz = Never(InDescription))]
     EdsDateWrong,
-    /// The EDS has a 2 where there can be 0 or 1.
+    /// The EDS has a 2 in a field that allows 0 and 1 only.
     #[row(fuzz = Never(InDescription))]
     EdsBooleanWrong,
-    /// The EDS lists an object twice and another one not at all.
+    /// The EDS lists one object twice and omits another object.
     #[row(fuzz = Never(InDescription))]
     EdsObjectListedTwice,
     /// The EDS gives 1001h an access type that does not exist.
@@ -1183,55 +1184,55 @@ pub enum Fault {
     /// The EDS has a default below its low limit.
     #[row(fuzz = Never(InDescription))]
     EdsDefaultBeyondLimit,
-    /// The EDS maps an object with a length that it does not have.
+    /// The EDS maps an object with a wrong length.
     #[row(fuzz = Never(InDescription))]
     EdsMappingWrong,
     /// The EDS gives two TPDOs the same COB-ID.
     #[row(fuzz = Never(InDescription))]
     EdsCobIdTwice,
-    /// The EDS gives 1017h another data type than CiA 301 does.
+    /// The EDS gives 1017h another data type than CiA 301.
     #[row(fuzz = Never(InDescription))]
     EdsDataTypeWrong,
-    /// The device has an object, 200Ah, that its description does not name.
+    /// The device has an object, 200Ah, that is missing in its description.
     UndescribedObject,
-    /// Sub-index FFh of 1018h exists, but does not tell the structure of the object.
+    /// Sub-index FFh of 1018h exists, but does not contain the structure of the object.
     #[row(fuzz = Never(OpenAnswer))]
     StructureEntryWrong,
-    /// 1015h is one more after every reset.
+    /// 1015h increases by one at every reset.
     ParameterDriftsAtReset,
-    /// A download to a sub-index that does not exist is refused now for this reason, now as read-only.
+    /// A download to a sub-index that does not exist is refused alternately for this reason and as read-only.
     SdoRefusalAlternates,
     /// A maximum below its minimum is refused with abort 0601 0002h.
     #[row(model = "reference-406")]
     LimitsSwappedWrongCode,
-    /// Mapping entries take any number of bits of an object.
+    /// Mapping entries accept any number of bits for an object.
     #[row(model = "reference-406")]
     MappingLengthUnchecked,
-    /// Sub-index 0 of a mapping counts entries that are 0, but for the first.
+    /// Sub-index 0 of a mapping can count entries that are 0, except the first entry.
     LaterEmptyEntryMapped,
-    /// Sub-index 0 of a mapping counts entries that are 0.
+    /// Sub-index 0 of a mapping can count entries that are 0.
     EmptyEntryMapped,
-    /// After a refused mapping no mapping can be switched on until a reset.
+    /// After a refused mapping no mapping can be enabled until a reset.
     MappingFailureWedges,
-    /// A TPDO that had to wait for its inhibit time is sent again after each further one.
+    /// A TPDO that waited for its inhibit time is sent again after each further inhibit time.
     #[row(fuzz = Never(ApplicationEvent))]
     TpdoRepeatsAfterInhibit,
-    /// Another CAN-ID in 1005h has no effect: SYNC is still received and sent with the one of before.
+    /// A new CAN-ID in 1005h has no effect: SYNC is still received and sent with the old CAN-ID.
     #[row(fuzz = Never(SyncCanId))]
     SyncKeepsCanId,
-    /// Switch state global to configuration, in configuration, has the effects of leaving it: a device without node-ID
-    /// boots with the one that it got.
+    /// Switch state global to configuration, in configuration, has the effect of leaving it: a device without node-ID
+    /// starts with the node-ID that it has received.
     #[row(fuzz = Never(UnconfiguredStart))]
     LssLeavesWhenToldAgain,
-    /// 1007h has no effect: synchronous TPDOs are sent however late.
+    /// 1007h has no effect: synchronous TPDOs are sent with any delay.
     #[row(fuzz = Never(SyncCount))]
     SyncWindowIgnored,
-    /// A SYNC in pre-operational causes a TPDO at the start.
+    /// A SYNC in pre-operational triggers a TPDO at the start.
     #[row(fuzz = Never(SyncCount))]
     SyncRememberedOverStart,
-    /// A transfer goes on after the device was stopped.
+    /// An SDO transfer continues after the device was stopped.
     SdoTransferSurvivesStop,
-    /// A transfer goes on after a reset.
+    /// An SDO transfer continues after a reset.
     SdoTransferSurvivesReset,
     /// 1020h is not cleared when a parameter changes.
     #[row(fuzz = Never(ConfigurationDate))]
@@ -1239,7 +1240,7 @@ pub enum Fault {
     /// 1020h is 0 after a reset, although it was stored.
     #[row(fuzz = Never(AfterStore))]
     ConfigurationDateLost,
-    /// 650Ah:03 is half of what the encoder can show.
+    /// 650Ah:03 is half of the highest position.
     #[row(model = "kuebler-sendix-58x8", fuzz = Never(WrongFromPowerOn))]
     HighestPositionWrong,
     /// 6008h does not follow the preset.
@@ -1251,13 +1252,13 @@ pub enum Fault {
     /// After a preset the position stands still for a while.
     #[row(model = "kuebler-sendix-58x8", fuzz = Never(MeasuredValue))]
     PresetStopsCounting,
-    /// 6050h shows the speed instead of how the acceleration changes.
+    /// 6050h shows the speed instead of the change of the acceleration.
     #[row(model = "reference-406", fuzz = Never(MeasuredValue))]
     JerkShowsSpeed,
     /// 1029h:02 has no effect.
     #[row(model = "kuebler-sendix-58x8", fuzz = Never(ErrorBehaviour))]
     ProfileErrorIgnored,
-    /// With 1029h:02 = 1 an error of the sensor leads to pre-operational all the same.
+    /// With 1029h:02 = 1, an error of the sensor still leads to pre-operational.
     #[row(model = "kuebler-sendix-58x8", fuzz = Never(ErrorBehaviour))]
     ProfileErrorAlwaysLeaves,
     /// Synchronous TPDOs come 30 ms after SYNC.
@@ -1281,33 +1282,33 @@ pub enum Fault {
     /// 6330h has no effect.
     #[row(model = "reference-406", fuzz = Never(MeasuredValue))]
     CamHysteresisIgnored,
-    /// A slave that hears another one answer takes no further part in Fastscan.
+    /// A slave takes no further part in Fastscan after another slave has answered.
     #[row(fuzz = Never(AnotherDevice))]
     FastscanYieldsToOthers,
-    /// A node-ID configured by LSS outlives reset node without having been stored.
+    /// A node-ID configured by LSS survives reset node although it was not stored.
     #[row(fuzz = Never(AfterStore))]
     LssNodeIdStoredAtOnce,
-    /// Of an NMT frame of four bytes or more the second two are obeyed.
+    /// The third and fourth byte of a longer NMT frame are executed as a command.
     #[row(fuzz = Never(OpenAnswer))]
     NmtLongFrameMisread,
-    /// An entry of 1016h whose node-ID does not exist watches every node.
+    /// An entry of 1016h whose node-ID does not exist monitors every node.
     #[row(fuzz = Never(LossNoticed))]
     HeartbeatConsumerWatchesEveryone,
-    /// A node whose entry in 1016h has the time 0 is missed at once after its first heartbeat.
+    /// The loss of a node whose entry in 1016h has the time 0 is reported immediately after its first heartbeat.
     #[row(fuzz = Never(LossNoticed))]
     HeartbeatConsumerTimeZero,
-    /// A heartbeat of no byte or of two stops the firmware.
+    /// A heartbeat with no byte or with two bytes stops the firmware.
     HeartbeatConsumerCrashes,
-    /// Guarding requests are answered although there is no 100Ch.
+    /// Guarding requests are answered although 100Ch does not exist.
     #[row(model = "kuebler-c100")]
     GuardingAnsweredUnsupported,
-    /// 1010h:01 says that the device does not store on command, although it does.
+    /// 1010h:01 tells that the device does not store parameters on command, although it does.
     #[row(fuzz = Never(WrongFromPowerOn))]
     StoreCapabilityDenied,
     /// "save" is not answered in operational.
     #[row(fuzz = Never(StoreSignature))]
     StoreSilentWhenOperational,
-    /// RPDOs take no synchronous transmission type.
+    /// RPDOs refuse synchronous transmission types.
     #[row(fuzz = Never(Refusal))]
     SynchronousRpdoRefused,
     /// An abort of the client does not end a block download.

@@ -110,8 +110,7 @@ const MOST_IN_A_ROW: u32 = 64;
 /// An answer is slow if it takes this multiple of the time after which the device counts as silent.
 const SLOW_ANSWER: u64 = 25;
 
-/// Maximum number of slow answers of one kind that are awaited and judged. After that the client aborts the transfer
-/// instead.
+/// Maximum number of slow answers of one kind for which the client waits. Then it aborts the transfer instead.
 const MOST_SLOW: u32 = 2;
 
 /// Maximum wait for silence while other nodes keep the bus busy, as a multiple of the time after which the device

@@ -12,7 +12,7 @@ use std::fmt;
 /// Why a frame is not sent.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Forbidden {
-    /// The frame has an effect that the user has to allow by name.
+    /// The frame has an effect that only an option `--allow` of the user permits.
     Touch(Touch),
     /// The frame would replace the device's program, which no option allows.
     Program,

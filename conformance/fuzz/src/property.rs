@@ -43,47 +43,50 @@ macro_rules! properties {
 }
 
 properties! {
-    /// After any input on the device's CAN-IDs, reading 1000h:00 succeeds within the response time. A server that
-    /// a client can wedge stops a machine. Every sequence of the fuzzer ends with this read.
-    Responsive = "PROP-01" "the SDO server can't be wedged",
-    /// Every frame of the SDO server is one that a server may send in the state that the dialogue has reached: the
-    /// right command specifier, toggle bit, sequence number, multiplexer, length, reserved bits, abort code. An
-    /// answer that is due and does not come is as much a violation as one that is wrong.
+    /// After any input on the device's CAN-IDs, reading 1000h:00 succeeds within the response time. A server that stops
+    /// answering because of a client stops a machine. Every sequence of the fuzzer ends with this read.
+    Responsive = "PROP-01" "the SDO server keeps answering",
+    /// Every frame of the SDO server is allowed in the current state of the transfer: it has the right command
+    /// specifier, toggle bit, sequence number, multiplexer, length, reserved bits and abort code. A missing answer
+    /// violates the property just like a wrong answer.
     LegalSdo = "PROP-02" "every SDO response is legal in its state",
     /// The server sends one frame for each frame of the client; in a block upload at most as many segments as the
     /// client's block size allows.
     OneAnswer = "PROP-03" "one answer for each request",
-    /// An abort of the client, a remote frame, a frame with a 29-bit identifier, and whatever comes in the NMT state
-    /// stopped or during initialisation is not answered.
-    Silent = "PROP-04" "no answer where none is due",
-    /// A transfer that ends in an abort leaves the object as it was.
+    /// The SDO server does not answer an abort of the client, a remote frame, a frame with a 29-bit identifier, or any
+    /// frame in the NMT states stopped and initialisation.
+    Silent = "PROP-04" "no answer where silence is required",
+    /// A transfer that ends in an abort does not change the object.
     AbortedUnchanged = "PROP-05" "an aborted transfer changes nothing",
-    /// What was written and confirmed is what is read next, by any of the three kinds of transfer and in any
-    /// segmentation.
-    ReadBack = "PROP-06" "what was written is read back",
-    /// The same request in the same state gets the same kind of answer; an object that the description promises
-    /// exists, and constants are constant.
+    /// An upload after a confirmed download returns the written value, with each of the three transfer types
+    /// (expedited, segmented, block) and any segmentation.
+    ReadBack = "PROP-06" "a written value is read back",
+    /// The same request in the same state gets the same kind of answer. Every object of the description exists, and
+    /// constants do not change.
     Consistent = "PROP-07" "the device agrees with its description and with itself",
-    /// The NMT state that heartbeats and guarding show is the one that the commands lead to; heartbeats come in time.
+    /// Heartbeats and guarding answers show the NMT state that follows from the NMT commands, and heartbeats come in
+    /// time.
     NmtState = "PROP-08" "the NMT state follows the commands",
-    /// PDOs, SYNC and TIME are sent only on identifiers that the device was told to use, only in operational, with
-    /// the length of their mapping, and not faster than their inhibit time and event timer allow. Configurations that
-    /// CiA 301 forbids are refused: identifiers change only while the PDO is invalid, restricted identifiers and
-    /// reserved transmission types don't exist, mappings change only while they are disabled and hold 64 bits at most.
+    /// The device sends PDOs, SYNC and TIME only with their configured CAN-IDs. PDOs are sent only in operational, with
+    /// the length of their mapping, and not faster than their inhibit time and event timer allow. The device refuses
+    /// configurations that CiA 301 forbids: a new CAN-ID for a valid PDO, restricted CAN-IDs, reserved transmission
+    /// types, changes of an enabled mapping, and mappings of more than 64 bits.
     Pdo = "PROP-09" "PDOs as configured",
-    /// The LSS slave answers exactly as CiA 305 demands in its state, whatever is interleaved.
+    /// The LSS slave answers exactly as CiA 305 demands in its state, even if requests are interleaved with other
+    /// frames.
     LegalLss = "PROP-10" "every LSS response is legal in its state",
-    /// Fastscan identifies, and switches to configuration, only after all 128 bits of the address have matched.
+    /// Fastscan identifies a slave, and switches it to configuration, only after all 128 bits of its address have
+    /// matched.
     Fastscan = "PROP-11" "Fastscan compares every bit",
-    /// Whatever comes in, EMCY messages stay few, and each error is reported once.
+    /// The device sends few EMCY messages for any input, and reports each error once.
     EmcyRate = "PROP-12" "no storm of EMCY messages",
-    /// No boot-up message without a reset: the device did not restart by itself.
+    /// The device sends no boot-up message without a reset: it does not restart by itself.
     NoRestart = "PROP-13" "no restart by itself",
-    /// After a reset every object that was not stored has the value of power-on again: what a sequence wrote leaves no
-    /// trace. Reset node brings all back, reset communication 1000h to 1FFFh.
+    /// After a reset every object that was not stored has its power-on value again, so that a sequence has no lasting
+    /// effect. Reset node restores all objects, reset communication those from 1000h to 1FFFh.
     Restored = "PROP-14" "a reset brings the values back",
-    /// The device lives: after every sequence the first reset brings it back, with its boot-up message where it has one.
-    /// What needs a further reset, or the power switched off and on, had stopped.
+    /// The first reset after every sequence restarts the device, with a boot-up message if the device sends one. A
+    /// device that needs another reset or a power cycle has stopped working.
     Alive = "PROP-16" "a reset brings the device back",
 }
 

@@ -60,16 +60,16 @@ impl fmt::Display for Changed {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Emergency(code) => {
-                write!(f, "after a start the device reports EMCY {code}, and did not before the run")
+                write!(f, "after a start the device reports EMCY {code}, which it did not report before the run")
             }
             Self::State { before, after } => {
                 write!(f, "after a start the device is {after}, and was {before} before the run")
             }
             Self::PdoStopped(pdo) => {
-                write!(f, "in operational the device does not send the PDO {pdo:03X}h any more, and did before the run")
+                write!(f, "in operational the device no longer sends the PDO {pdo:03X}h, which it sent before the run")
             }
             Self::PdoBegan(pdo) => {
-                write!(f, "in operational the device sends the PDO {pdo:03X}h, and did not before the run")
+                write!(f, "in operational the device sends the PDO {pdo:03X}h, which it did not send before the run")
             }
         }
     }

@@ -50,6 +50,8 @@ pub enum Nature {
     Constant,
     /// The device sets the value in any test: a position, an error register, a count.
     Own,
+    /// The object acts when it is written, such as a preset: its earlier value is never written again.
+    Acting,
 }
 
 impl Nature {
@@ -59,6 +61,7 @@ impl Nature {
             Self::Setting => "setting",
             Self::Constant => "constant",
             Self::Own => "own",
+            Self::Acting => "acting",
         }
     }
 }
@@ -66,7 +69,7 @@ impl Nature {
 impl Change {
     /// Whether the run has left a change that it should have put back.
     pub fn is_left(&self) -> bool {
-        self.nature != Nature::Own
+        matches!(self.nature, Nature::Setting | Nature::Constant)
     }
 }
 
@@ -78,7 +81,16 @@ impl Comparison {
 
     /// The changed values that the device sets itself.
     pub fn own(&self) -> impl Iterator<Item = &Change> {
-        self.changes.iter().filter(|change| !change.is_left())
+        self.of(Nature::Own)
+    }
+
+    /// The changed values of objects that act when they are written.
+    pub fn acting(&self) -> impl Iterator<Item = &Change> {
+        self.of(Nature::Acting)
+    }
+
+    fn of(&self, nature: Nature) -> impl Iterator<Item = &Change> {
+        self.changes.iter().filter(move |change| change.nature == nature)
     }
 
     /// Whether the device is known to be as before the run.

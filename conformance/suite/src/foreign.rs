@@ -179,12 +179,12 @@ impl ForeignKind {
             Self::SdoRead => "another SDO client reads its objects",
             Self::SdoWrite => "another SDO client writes its objects",
             Self::Nmt => "another NMT master commands it",
-            Self::Sync => "somebody else sends SYNC",
-            Self::Time => "somebody else sends TIME",
-            Self::Rpdo => "somebody else sends PDOs that it receives",
+            Self::Sync => "another node sends SYNC",
+            Self::Time => "another node sends TIME",
+            Self::Rpdo => "another node sends PDOs that it receives",
             Self::LayerSetting => "another LSS or LMT master sends requests",
             Self::Guarding => "another NMT master guards it",
-            Self::Heartbeat => "a node that it watches sends heartbeats",
+            Self::Heartbeat => "a node that it monitors sends heartbeats",
         }
     }
 

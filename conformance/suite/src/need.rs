@@ -81,7 +81,7 @@ impl Need {
 type Provide = fn(&mut Bench<'_>) -> Result<Met, Stop>;
 
 fn unmet(need: &Need, why: String) -> Stop {
-    Stop::NotApplicable(Reason::new("the case has what it needs", need.text, why))
+    Stop::NotApplicable(Reason::new("the device has the feature that the case needs", need.text, why))
 }
 
 impl Case {
@@ -153,7 +153,11 @@ fn asked_undisturbed(bench: &mut Bench<'_>, need: &Need) -> Result<Met, Stop> {
         }
     }
     let actual = format!("other SDO clients disturbed {TRIES} tries");
-    Err(Stop::Inconclusive(Reason::new("the device is asked for what the case needs", need.text, actual)))
+    Err(Stop::Inconclusive(Reason::new(
+        "the device can be asked for the feature that the case needs",
+        need.text,
+        actual,
+    )))
 }
 
 impl PartialEq for Need {

@@ -47,7 +47,10 @@ impl QuarantineRow {
     pub fn read(self, line: usize) -> Result<Quarantine, String> {
         let Self { case, owner, reason, until } = self;
         if reason.trim().is_empty() || owner.trim().is_empty() {
-            return Err("expected a reason and an owner: a quarantine ends when somebody has looked into it".to_owned());
+            return Err(
+                "expected a reason and an owner: a quarantine ends when its owner has investigated the failure"
+                    .to_owned(),
+            );
         }
         Ok(Quarantine { line, case, owner, reason, until: day(until)? })
     }

@@ -78,9 +78,9 @@ situations! {
     MissingObject = "missing-object", "7.2.4.3.17", Must: aborts [NO_OBJECT], tolerated [GENERAL];
     /// A sub-index that does not exist is refused
     MissingEntry = "missing-entry", "7.2.4.3.17", Must: aborts [NO_SUB_INDEX], tolerated [GENERAL];
-    /// Writing what can only be read is refused
+    /// Writing a read-only object is refused
     ReadOnly = "read-only", "7.2.4.3.17", Must: aborts [READ_ONLY], tolerated [UNSUPPORTED_ACCESS, GENERAL];
-    /// Reading what can only be written is refused
+    /// Reading a write-only object is refused
     WriteOnly = "write-only", "7.2.4.3.17", Must: aborts [WRITE_ONLY], tolerated [UNSUPPORTED_ACCESS, GENERAL];
     /// More bytes than the object has are refused
     TooLong = "too-long", "7.2.4.3.17", Must: aborts [LENGTH_TOO_HIGH, LENGTH], tolerated [GENERAL];
@@ -97,7 +97,7 @@ situations! {
     MaximumBelowMinimum = "maximum-below-minimum", "7.2.4.3.17", Must:
         aborts [MAXIMUM_BELOW_MINIMUM, INVALID_VALUE, VALUE_TOO_HIGH, VALUE_TOO_LOW, PARAMETER_INCOMPATIBLE],
         tolerated [GENERAL];
-    /// A command specifier that does not exist, or has no place in the state of the server, is refused
+    /// A command specifier that does not exist, or is not allowed in the state of the server, is refused
     UnknownCommand = "unknown-command", "7.2.4.3.17", Should: aborts [COMMAND_SPECIFIER];
     /// A segment whose toggle bit does not alternate is ignored, and the transfer may be aborted
     RepeatedToggle = "repeated-toggle", "7.2.4.3.2", Must: aborts [TOGGLE], silence true;
@@ -122,9 +122,9 @@ situations! {
     /// A store or restore command without its signature is refused
     WrongSignature = "wrong-signature", "7.5.2.13", Must:
         aborts [NOT_TRANSFERRED, INVALID_VALUE, GENERAL, LOCAL_CONTROL, DEVICE_STATE];
-    /// A device that does not store on command refuses to
+    /// A device that does not store parameters on command refuses the command
     StoreUnsupported = "store-unsupported", "7.5.2.13", Must: any_abort true;
-    /// Parameters are stored in operational too, or the device says that its state forbids it
+    /// The device stores parameters in operational too, or refuses the command because of its state
     StoreInOperational = "store-in-operational", "7.3.2.2.3", Should:
         aborts [DEVICE_STATE, LOCAL_CONTROL, NOT_TRANSFERRED, GENERAL], confirmation true;
     /// Reading 1003h:01 while the history is empty is refused
@@ -136,11 +136,11 @@ situations! {
     OverflowWhilePeriod = "overflow-while-period", "7.5.2.22", Must: aborts [DEVICE_STATE, GENERAL];
     /// Setting bit 30 of 1005h is refused by a device that can't produce SYNC
     SyncNotProduced = "sync-not-produced", "7.5.2.5", Must: aborts [INVALID_VALUE], tolerated [GENERAL];
-    /// Bits 0 to 29 of a COB-ID in use don't change
+    /// Bits 0 to 29 of a COB-ID in use do not change
     ValidCobIdChanged = "valid-cob-id-changed", "7.5.2.37", Must: any_abort true;
-    /// A parameter of a PDO that is valid does not change
+    /// A parameter of a valid PDO does not change
     ValidPdoChanged = "valid-pdo-changed", "7.5.2.37", Must: any_abort true;
-    /// A mapping that is in use does not change
+    /// A mapping in use does not change
     MappingInUseChanged = "mapping-in-use-changed", "7.5.2.38", Must: any_abort true;
     /// A restricted CAN-ID is refused
     RestrictedCanId = "restricted-can-id", "7.3.5", Must: any_abort true;
@@ -149,20 +149,20 @@ situations! {
         aborts [INVALID_VALUE, VALUE_TOO_HIGH, VALUE_TOO_LOW], tolerated [GENERAL];
     /// Sub-index 4 of a PDO communication parameter is reserved
     ReservedEntry = "reserved-entry", "7.5.2.37", Must: aborts [NO_SUB_INDEX], tolerated [GENERAL];
-    /// Mapping what can't be mapped is refused when the entry is written
+    /// Mapping an object that can't be mapped is refused when the entry is written
     Unmappable = "unmappable", "7.5.2.38", Must: aborts [NO_OBJECT, NOT_MAPPABLE], tolerated [GENERAL];
-    /// Switching a mapping on that is wrong or too long is refused
+    /// Enabling a mapping that is wrong or too long is refused
     MappingRefused = "mapping-refused", "7.5.2.38", Must:
         aborts [NO_OBJECT, PDO_LENGTH], tolerated [NOT_MAPPABLE, GENERAL];
-    /// An entry that a mapping does not support, by its object or its length, is refused
+    /// A mapping entry with an unsupported object or length is refused
     UnsupportedMapping = "unsupported-mapping", "7.5.2.38", Must: any_abort true;
-    /// Mapping a sub-index that its object does not have is refused
+    /// Mapping a sub-index that does not exist is refused
     UnmappableEntry = "unmappable-entry", "7.5.2.38", Must:
         aborts [NO_OBJECT, NOT_MAPPABLE], tolerated [NO_SUB_INDEX, GENERAL];
     /// Mapping an object into a PDO of the other direction is refused
     WrongDirection = "wrong-direction", "7.5.1", Must:
         aborts [NOT_MAPPABLE, NO_OBJECT], tolerated [READ_ONLY, WRITE_ONLY, GENERAL];
-    /// An entry with which the mapping would be longer than a PDO is refused
+    /// A mapping entry that makes the mapping longer than a PDO is refused
     MappingEntryTooLong = "mapping-entry-too-long", "7.5.2.38", Must:
         aborts [PDO_LENGTH, NOT_MAPPABLE, NO_OBJECT], tolerated [GENERAL];
     /// A reserved number of mapped objects is refused
@@ -171,9 +171,9 @@ situations! {
         tolerated [NOT_MAPPABLE, UNSUPPORTED_ACCESS, GENERAL];
     /// A second consumer entry for the same node is refused
     DuplicateConsumer = "duplicate-consumer", "7.5.2.19", Must: aborts [PARAMETER_INCOMPATIBLE], tolerated [GENERAL];
-    /// A right request is confirmed
+    /// A correct request is confirmed
     Confirmed = "confirmed", "7.2.4.3", Must: confirmation true;
-    /// What needs no answer is not answered
+    /// A message that needs no answer is not answered
     Unanswered = "unanswered", "7.2.4.3", Must: silence true;
 }
 

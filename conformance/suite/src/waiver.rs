@@ -127,7 +127,9 @@ impl Waivers {
         let over = self.quarantines.iter().filter(|quarantine| quarantine.has_expired(today));
         let over = over.filter(|over| reports.iter().any(|report| glob::matches(&over.case, report.case.id)));
         let over = over.map(|Quarantine { case, line, until, owner, .. }| {
-            format!("the quarantine of {case} (line {line}, {owner}) has expired on {until}: what fails there counts")
+            format!(
+                "the quarantine of {case} (line {line}, {owner}) has expired on {until}: failures of the case count"
+            )
         });
         idle.filter_map(|waiver| waiver.why_idle(today, reports)).chain(over).collect()
     }
@@ -164,13 +166,13 @@ impl Waiver {
             wrong.map(|ruled| format!("{}: {}", ruled.breach.subject, ruled.breach.actual)).collect();
         others.dedup();
         if others.is_empty() {
-            return Some(format!("{this} was not needed: nothing was found wrong"));
+            return Some(format!("{this} was not needed: no breach was found"));
         }
         let more = others.len().saturating_sub(SHOWN);
         let more = if more > 0 { format!(" and {more} more") } else { String::new() };
         others.truncate(SHOWN);
         let others = others.join("; ");
-        Some(format!("{this} excused nothing: it accepts {subject}: {does}; found was {others}{more}"))
+        Some(format!("{this} excused no breach: it accepts {subject}: {does}; found: {others}{more}"))
     }
 
     fn deviation(&self) -> Deviation {
@@ -283,9 +285,9 @@ mod tests {
         let idle = |today: &str, ruled: Vec<Ruled>| waivers.idle(today, &[&report(ruled)]);
         let excuse = Some(Excuse { documented: String::new(), by: Authority::Waiver { line: 9 } });
         assert!(idle("2027-01-01", vec![Ruled { breach: breach("1008:00"), excuse }]).is_empty());
-        assert!(idle("2027-01-01", Vec::new())[0].ends_with("was not needed: nothing was found wrong"));
+        assert!(idle("2027-01-01", Vec::new())[0].ends_with("was not needed: no breach was found"));
         let other = Ruled { breach: breach("1009:00"), excuse: None };
-        assert!(idle("2027-01-01", vec![other])[0].ends_with("accepts 1008h: value *; found was 1009h:00: value 07"));
+        assert!(idle("2027-01-01", vec![other])[0].ends_with("accepts 1008h: value *; found: 1009h:00: value 07"));
         assert!(idle("2028-01-01", Vec::new())[0].contains("expired on 2027-06-30"));
     }
 
@@ -317,7 +319,7 @@ mod tests {
             let report = report(subjects.iter().map(|subject| wrong(subject)).collect());
             let told = waivers.idle("2027-01-01", &[&report]);
             assert_eq!(told.len(), 1, "the other waiver's case did not run: {told:?}");
-            told[0].split("found was ").nth(1).unwrap().to_owned()
+            told[0].split("found: ").nth(1).unwrap().to_owned()
         };
         assert_eq!(found(&["1009:00", "1009:00"]), "1009h:00: value 07");
         let three = "1009h:00: value 07; 100Ah:00: value 07; 100Bh:00: value 07";
@@ -325,7 +327,7 @@ mod tests {
         assert_eq!(found(&["1009:00", "100A:00", "100B:00", "100C:00"]), format!("{three} and 1 more"));
         let tolerated = Ruled { breach: breach("1009:00").tolerated(), excuse: None };
         let told = waivers.idle("2027-01-01", &[&report(vec![tolerated])]);
-        assert!(told[0].ends_with("nothing was found wrong"), "{told:?}");
+        assert!(told[0].ends_with("no breach was found"), "{told:?}");
         let ended =
             CaseReport { verdict: Verdict::inconclusive(crate::verdict::Reason::default()), ..report(Vec::new()) };
         assert_eq!(waivers.idle("2027-01-01", &[&ended]), Vec::<String>::new());

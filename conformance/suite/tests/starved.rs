@@ -213,16 +213,52 @@ fn a_starved_device_fails_nothing() {
     }
 }
 
-/// Stalls that are rare meet a case, and none of the reads beside it: what failed then has to come again.
+/// A device with rare stalls: a stall may meet a case, and none of the reads beside it.
+fn seldom_late(firmware: impl Into<Firmware>, state: u64, apart: u64, selectors: &[&str]) -> Vec<CaseReport> {
+    let firmware = firmware.into();
+    let stalls = Stalls { state, longest: Duration::from_millis(400), apart };
+    tested_as(Box::new(Starved::by(device(firmware), stalls)), firmware, selectors)
+}
+
+/// What failed once and not again is inconclusive, and its frames are shown.
 #[test]
 fn a_device_that_is_seldom_late_fails_nothing() {
+    let mut doubted = 0;
     for (state, apart) in [(11, 1_000), (23, 1_000), (4, 3_000), (14, 3_000)] {
-        let machine =
-            Starved::by(device(Firmware::PLAIN), Stalls { state, longest: Duration::from_millis(400), apart });
-        let reports = tested_as(Box::new(machine), Firmware::PLAIN, &[]);
+        let reports = seldom_late(Faults::NONE, state, apart, &[]);
         assert_eq!(ending(&reports, Kind::Fail), Vec::<String>::new(), "stalls up to {apart} ms apart, by {state}");
         let undecided = ending(&reports, Kind::Inconclusive);
         assert!(undecided.len() * 50 <= reports.len(), "stalls up to {apart} ms apart: {undecided:#?}");
+        let is_doubted = |report: &&CaseReport| {
+            report.verdict.reason().is_some_and(|reason| reason.actual.starts_with("another try did not find it"))
+        };
+        for report in reports.iter().filter(is_doubted) {
+            let told = report.notes.iter().any(|note| note.starts_with("try 2 ended with"));
+            assert!(told && report.evidence.frames().next().is_some(), "{}: {:?}", report.case.id, report.notes);
+            doubted += 1;
+        }
+    }
+    assert!(doubted > 0, "a stall made a case fail");
+}
+
+/// A device that always does the wrong thing fails, whether a stall comes or not.
+#[test]
+fn what_is_always_wrong_is_found_on_a_device_that_is_seldom_late() {
+    for (fault, case) in [
+        (Fault::EventTimerDoubled, "301/tpdo/event-timer"),
+        (Fault::HeartbeatPeriodDoubled, "301/heartbeat/period"),
+        (Fault::SyncPeriodDoubled, "301/sync/period"),
+        (Fault::HeartbeatWrongState, "301/heartbeat/state"),
+        (Fault::NmtStopWhenOperationalIgnored, "301/nmt/operational/stop"),
+        (Fault::BootUpMissing, "301/boot-up/reset-node"),
+    ] {
+        for (state, apart) in [(3, 9_000), (8, 9_000), (4, 30_000), (6, 30_000)] {
+            // The whole family: what comes before shows that the device is late.
+            let reports = seldom_late(fault, state, apart, &[case.rsplit_once('/').unwrap().0]);
+            let failed = ending(&reports, Kind::Fail);
+            let is_found = failed.iter().any(|told| told.starts_with(case));
+            assert!(is_found, "{fault:?}, {apart} ms, by {state}: {:#?}", ending(&reports, Kind::Inconclusive));
+        }
     }
 }
 
@@ -268,7 +304,7 @@ fn lateness_is_told() {
     let mut reasons = reports.iter().filter_map(|report| report.verdict.reason());
     let reason = reasons.find(|reason| reason.lack == Lack::Promptness).unwrap();
     assert_eq!(reason.duty, "the device keeps up");
-    assert!(reason.actual.starts_with("the device was late as a whole: a read beside the case"), "{reason}");
+    assert!(reason.actual.starts_with("the device was late as a whole: a read outside the case"), "{reason}");
     let tried = reports.iter().flat_map(|report| &report.notes).filter(|note| note.contains("late as a whole"));
     assert!(tried.count() > 0, "tried again");
 }

@@ -288,7 +288,8 @@ fn a_device_is_as_found_when_no_setting_and_no_constant_differs() {
     assert_eq!(compared(false, &[]), (false, 0, 0));
     assert_eq!(compared(true, &[Nature::Own]), (true, 0, 1));
     assert_eq!(compared(true, &[Nature::Setting, Nature::Own]), (false, 1, 1));
+    assert_eq!(compared(true, &[Nature::Acting, Nature::Own]), (true, 0, 1));
     assert_eq!(compared(true, &[Nature::Constant, Nature::Setting]), (false, 2, 0));
-    let names = [Nature::Setting, Nature::Constant, Nature::Own].map(Nature::name);
-    assert_eq!(names, ["setting", "constant", "own"]);
+    let names = [Nature::Setting, Nature::Constant, Nature::Own, Nature::Acting].map(Nature::name);
+    assert_eq!(names, ["setting", "constant", "own", "acting"]);
 }

@@ -52,7 +52,7 @@ pub enum ClusterError {
     #[error(transparent)]
     Engine(#[from] datafusion::error::DataFusionError),
     /// A folder can't be made.
-    #[error("can't make a folder for what tasks give: {0}")]
+    #[error("can't create a folder for the results of tasks: {0}")]
     Folder(#[source] std::io::Error),
 }
 

@@ -10,27 +10,27 @@ use std::path::PathBuf;
 
 /// Run an executor of a cluster
 ///
-/// It has to see the captures under the same paths as the scheduler: a shared folder, or an object store. Ctrl-C ends it when the
-/// tasks that it has begun are done.
+/// The executor needs the captures under the same paths as the scheduler, in a shared folder or an object store. After
+/// Ctrl-C it completes the tasks in progress and ends.
 #[derive(clap::Args)]
 pub struct Args {
     /// The scheduler
     #[arg(long, value_name = "HOST:PORT", value_parser = parse_scheduler)]
     scheduler: (String, u16),
-    /// The address at which other computers fetch the results of tasks. Tasks arrive at the next port; with port 0, two
-    /// free ports are chosen
+    /// The address at which other computers fetch the results of tasks. The next port receives the tasks; with port 0,
+    /// two free ports are chosen
     #[arg(long, value_name = "ADDRESS:PORT", default_value = "127.0.0.1:50051")]
     bind: SocketAddr,
-    /// The name by which others reach this executor (default: the address from which it calls the scheduler)
+    /// The name by which other computers reach this executor (default: its address in the connection to the scheduler)
     #[arg(long, value_name = "HOST")]
     advertise: Option<String>,
     /// The folder for the results of tasks (default: a temporary folder, removed at the end)
     #[arg(long, value_name = "DIR")]
     work_dir: Option<PathBuf>,
-    /// Number of tasks that run at a time (default: number of processors)
+    /// Number of tasks that run in parallel (default: number of processors)
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u16).range(1..))]
     tasks: Option<u16>,
-    /// Memory that all tasks together may take, such as 4G (default: seven tenths of the machine's memory)
+    /// Memory limit of all tasks together, such as 4G (default: 70 % of the machine's memory)
     #[arg(long, value_name = "SIZE", value_parser = parse_size)]
     memory: Option<usize>,
     #[command(flatten)]

@@ -11,12 +11,13 @@ use canvass_fleet::scan::register_files;
 use canvass_fleet::table::Table;
 use std::path::PathBuf;
 
-/// Write all messages of captures, or their events, as a table for other programs
+/// Write all messages or events of captures as a table for other programs
 ///
-/// The columns are those of the tables `messages` and `events` (`canvass-fleet schema`). Each capture is decoded by itself.
+/// The columns are those of the tables `messages` and `events` (`canvass-fleet schema`). Each capture is decoded
+/// separately.
 #[derive(clap::Args)]
 pub struct Decode {
-    /// Write what happened instead of frames: whole SDO transfers, states, errors, layer setting, COB-IDs and mappings
+    /// Write events instead of frames: whole SDO transfers, states, errors, layer setting, COB-IDs and mappings
     #[arg(long)]
     events: bool,
     #[command(flatten)]
@@ -32,16 +33,16 @@ pub struct Signals {
     export: Export,
 }
 
-/// Write what was wrong in captures as a table for other programs
+/// Write the findings of the diagnosis of captures as a table for other programs
 ///
-/// The columns are those of the table `findings` (`canvass-fleet schema`). Each capture is diagnosed by itself.
+/// The columns are those of the table `findings` (`canvass-fleet schema`). Each capture is diagnosed separately.
 #[derive(clap::Args)]
 pub struct Diagnose {
     #[command(flatten)]
     export: Export,
 }
 
-/// Which captures, and how.
+/// Captures and the format of the table.
 #[derive(clap::Args)]
 struct Export {
     /// Captures: files, folders and patterns, here or as s3://BUCKET/...
@@ -92,7 +93,7 @@ impl Export {
         file.map_or(Ok(()), WholeFile::complete)?;
         // Unreadable files are reported; the rows of all others have been written.
         if unreadable > 0 {
-            return Err(anyhow!("not everything could be read").into());
+            return Err(anyhow!("some captures could not be read").into());
         }
         Ok(Status::Good)
     }

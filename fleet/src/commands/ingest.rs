@@ -7,8 +7,8 @@ use canvass_fleet::lake::{Ingest, Progress, Summary};
 
 /// Put captures and results into a lake: Parquet by table and date
 ///
-/// What is in the lake already is passed over; files that have changed are replaced. A run that was stopped, in whatever way, is
-/// continued by the next one.
+/// Files that are already in the lake are skipped; changed files are replaced. If a run was stopped, the next run
+/// continues it.
 #[derive(clap::Args)]
 pub struct Args {
     /// Files, folders and patterns, here or as s3://BUCKET/...
@@ -17,7 +17,7 @@ pub struct Args {
     /// The lake: a folder, or s3://BUCKET/PREFIX
     #[arg(long, value_name = "LAKE")]
     into: String,
-    /// Hash files, too, that seem not to have changed by their length and time
+    /// Also hash files whose length and time have not changed
     #[arg(long)]
     rehash: bool,
     #[command(flatten)]

@@ -7,16 +7,16 @@ use canvass_fleet::{lake, report, views};
 use std::path::PathBuf;
 use std::str::FromStr;
 
-/// Show what a lake tells: plots over time and the usual questions, as one self-contained page
+/// Report the content of a lake: plots over time and the usual queries, as one self-contained page
 #[derive(clap::Args)]
 pub struct Args {
     /// The lake: a folder, or s3://BUCKET/PREFIX
     #[arg(value_name = "LAKE")]
     lake: String,
-    /// Where the page is written, such as html=fleet.html
+    /// The file for the page, such as html=fleet.html
     #[arg(long, required = true, value_name = "FORMAT=FILE")]
     report: Vec<Destination>,
-    /// How many rows an answer has on the page, at most
+    /// Maximum number of rows of an answer on the page
     #[arg(long, value_name = "N", default_value_t = 200)]
     max_rows: usize,
     #[command(flatten)]

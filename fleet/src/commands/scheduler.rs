@@ -7,10 +7,10 @@ use canvass_fleet::cluster::scheduler;
 
 /// Run the scheduler of a cluster
 ///
-/// It finds the captures of a query and gives them to executors. Ctrl-C ends it.
+/// The scheduler finds the captures of a query and distributes them to executors. Ctrl-C ends it.
 #[derive(clap::Args)]
 pub struct Args {
-    /// Where clients and executors reach it
+    /// The address for clients and executors
     #[arg(long, value_name = "HOST:PORT", default_value = "127.0.0.1:50050")]
     bind: String,
     #[command(flatten)]

@@ -4,10 +4,10 @@ use crate::output::diagnostic;
 use crate::status::Failure;
 use log::{LevelFilter, Log, Metadata, Record};
 
-/// What is told.
+/// Options for log messages.
 #[derive(clap::Args)]
 pub struct Logging {
-    /// How much is told on standard error: off, error, warn, info, debug or trace
+    /// Level of the log messages on standard error: off, error, warn, info, debug or trace
     #[arg(long, value_name = "LEVEL", default_value = "info", value_parser = parse_level)]
     log: LevelFilter,
 }

@@ -17,9 +17,10 @@ use std::io::{IsTerminal as _, Read as _, Write};
 use std::path::PathBuf;
 use std::sync::Arc;
 
-/// Ask captures, results and lakes in SQL
+/// Query captures, results and lakes in SQL
 ///
-/// Without a statement a shell is opened on a terminal; else the statements are read from standard input.
+/// Without a statement, canvass-fleet opens a shell on a terminal, or otherwise reads the statements from standard
+/// input.
 #[derive(clap::Args)]
 pub struct Args {
     /// Statements, separated by semicolons, such as "SELECT count(*) FROM events('field/*.log')"
@@ -38,7 +39,7 @@ pub struct Args {
     /// Write the answer to a file instead of standard output
     #[arg(long, short, value_name = "FILE")]
     output: Option<PathBuf>,
-    /// How many rows a table shows, at most; other formats have all rows
+    /// Maximum number of rows of a table; other formats have all rows
     #[arg(long, value_name = "N", default_value_t = 1000)]
     max_rows: usize,
     #[command(flatten)]

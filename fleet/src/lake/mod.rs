@@ -42,13 +42,13 @@ pub enum LakeError {
         reason: String,
     },
     /// Another run has committed to the lake.
-    #[error("somebody else ingests into {0} at the same time: this run stops, and what it has committed stays")]
+    #[error("another process ingests into {0} at the same time: this run stops, and its committed data stay")]
     Conflict(String),
     /// Other runs change the lake while it is read.
     #[error("the lake at {0} changes too quickly to be read: try again")]
     Changing(String),
     /// A folder of the lake can't be read or written.
-    #[error("can't clear away in {folder}: {source}", folder = folder.display())]
+    #[error("can't remove old files in {folder}: {source}", folder = folder.display())]
     Folder {
         /// The folder.
         folder: std::path::PathBuf,

@@ -35,7 +35,7 @@ pub enum ScanError {
     #[error(transparent)]
     Device(#[from] DeviceError),
     /// Arrow refuses a batch.
-    #[error("a batch could not be made: {0}")]
+    #[error("a batch could not be created: {0}")]
     Arrow(#[from] ArrowError),
     /// The diagnosis can't write its temporary file.
     #[error(transparent)]

@@ -188,7 +188,7 @@ async fn two_runs_at_a_time_do_not_mix() {
     let mut second = Snapshot::read(&location).await.unwrap();
     second.begin(&location).await.unwrap();
     let refused = first.commit(&location, Vec::new()).await.unwrap_err().to_string();
-    assert!(refused.contains("somebody else ingests"), "{refused}");
+    assert!(refused.contains("another process ingests"), "{refused}");
     second.commit(&location, Vec::new()).await.unwrap();
 }
 

@@ -21,25 +21,21 @@ pub fn lines(comparison: &Comparison) -> Vec<String> {
 }
 
 /// The comparison in one or two sentences.
-pub(super) fn sentence(comparison: &Comparison) -> String {
+pub fn sentence(comparison: &Comparison) -> String {
     let Comparison { is_complete, objects, .. } = comparison;
     if !is_complete {
         return "The device does not answer after the run: whether its objects are as they were is not known."
             .to_owned();
     }
-    let (left, own) = (comparison.left().count(), comparison.own().count());
-    let own = match own {
-        0 => String::new(),
-        1 => format!(" {}, which the device sets itself, differs.", names(comparison)),
-        _ => format!(" {own} values that the device sets itself differ: {}.", names(comparison)),
-    };
+    let left = comparison.left().count();
+    let others = own(comparison) + &acting(comparison);
     let in_use = match left {
         0 if comparison.is_as_found() => {
-            format!("The device is as it was before the run ({objects} objects were read).{own}")
+            format!("The device is as it was before the run ({objects} objects were read).{others}")
         }
-        0 => format!("The {objects} objects are as they were before the run, but the device is not.{own}"),
-        1 => format!("1 of {objects} objects is not as it was before the run.{own}"),
-        _ => format!("{left} of {objects} objects are not as they were before the run.{own}"),
+        0 => format!("The {objects} objects are as they were before the run, but the device is not.{others}"),
+        1 => format!("1 of {objects} objects is not as it was before the run.{others}"),
+        _ => format!("{left} of {objects} objects are not as they were before the run.{others}"),
     };
     let stored = match comparison.stored.len() {
         0 => None,
@@ -52,10 +48,30 @@ pub(super) fn sentence(comparison: &Comparison) -> String {
     [in_use].into_iter().chain(stored).chain(zero_points).chain(behaviour).collect::<Vec<_>>().join(" ")
 }
 
-fn names(comparison: &Comparison) -> String {
+/// What the device has changed itself.
+fn own(comparison: &Comparison) -> String {
+    let own: Vec<&Change> = comparison.own().collect();
+    match own.len() {
+        0 => String::new(),
+        1 => format!(" {}, which the device sets itself, differs.", names(&own)),
+        many => format!(" {many} values that the device sets itself differ: {}.", names(&own)),
+    }
+}
+
+/// What was written to objects whose earlier values can't be written again.
+fn acting(comparison: &Comparison) -> String {
+    let acting: Vec<&Change> = comparison.acting().collect();
+    match acting.len() {
+        0 => String::new(),
+        1 => format!(" {} keeps the value of its last write: another write would act again.", names(&acting)),
+        _ => format!(" {} keep the values of their last writes: another write would act again.", names(&acting)),
+    }
+}
+
+fn names(changes: &[&Change]) -> String {
     const MOST: usize = 20;
-    let mut names: Vec<String> = comparison.own().take(MOST).map(|change| change.multiplexer.to_string()).collect();
-    let more = comparison.own().count() - names.len();
+    let mut names: Vec<String> = changes.iter().take(MOST).map(|change| change.multiplexer.to_string()).collect();
+    let more = changes.len() - names.len();
     if more > 0 {
         names.push(format!("and {more} more"));
     }
@@ -129,6 +145,17 @@ mod tests {
         ];
         assert_eq!(lines(&comparison), expected);
         assert!(!comparison.is_as_found());
+    }
+
+    /// The value of a preset is not written again: the user learns that it differs, and why.
+    #[test]
+    fn an_object_that_acts_is_named_though_the_device_is_as_it_was() {
+        let changes = vec![change(0x6003, Nature::Acting)];
+        let comparison = Comparison { is_complete: true, objects: 9, changes, ..Comparison::default() };
+        assert!(comparison.is_as_found());
+        let told = "The device is as it was before the run (9 objects were read). 6003h:00 keeps the value of its last write: \
+                    another write would act again.";
+        assert_eq!(sentence(&comparison), told);
     }
 
     /// Stored values, which the next start restores, and the zero point are reported, although neither shows in the

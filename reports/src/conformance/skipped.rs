@@ -53,7 +53,8 @@ mod tests {
 
     #[test]
     fn cases_of_one_reason_share_its_line() {
-        let blocks = Reason::new("the case has what it needs", "SDO block uploads", "answered by an abort");
+        let blocks =
+            Reason::new("the device has the feature that the case needs", "SDO block uploads", "answered by an abort");
         let nvm = Reason::new("the user allows it", "nvm", "not allowed: it writes").for_lack_of(Lack::Permission);
         let mut skipped = Skipped::default();
         for (case, reason) in [("301/a", &blocks), ("301/store", &nvm), ("301/b", &blocks), ("301/longer", &blocks)] {

@@ -128,7 +128,7 @@ pub struct ObjectChange {
     pub sub: u8,
     pub name: Option<String>,
     pub r#type: Option<Word>,
-    /// `setting`, `constant`, or `own` of what the device sets itself.
+    /// `setting`, `constant`, `own` of what the device sets itself, or `acting` of an object that acts when it is written.
     pub nature: Word,
     /// `null` where it can't be read.
     pub before: Option<String>,

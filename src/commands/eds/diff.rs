@@ -10,7 +10,7 @@ use canvass_reports::descriptions::difference::Compared;
 use canvass_reports::document::{Form, Report as _, Style};
 use std::path::{Path, PathBuf};
 
-/// Compare two device descriptions: what a release changed, and which changes are breaking
+/// Compare two device descriptions: the changes of a release, and which of them are breaking
 ///
 /// EDS, DCF, XDD and XDC files, also of different formats. A change is breaking if a configuration tool, a DCF or
 /// another device that relies on the old description fails: an object that is gone, another type, narrower limits,

@@ -17,7 +17,7 @@ use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-/// Make a description from a device, as a start where none exists; nothing is written to the device
+/// Create a first description from a device; nothing is written to the device
 ///
 /// canvass reads every index by SDO. Objects that CiA 301, 302, 304 or 406 define get their names, types and access
 /// from the standard; those of other objects are guessed from the values read, and comments in the file say so.

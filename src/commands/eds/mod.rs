@@ -12,7 +12,7 @@ mod verify;
 use crate::output::Color;
 use crate::status::{Failure, Status};
 
-/// Look at device descriptions: EDS, DCF and XDD files
+/// Check, show, compare and convert device descriptions: EDS, DCF and XDD files
 #[derive(clap::Args)]
 pub struct Args {
     #[command(subcommand)]

@@ -13,8 +13,8 @@ use std::path::PathBuf;
 /// Compare a device with its description: read everything, write nothing
 ///
 /// canvass reads every described entry by SDO and checks its existence, length, value (against limits and default),
-/// COB-IDs and PDO mapping. Undescribed objects are looked for in the communication profile area or, with --all,
-/// everywhere. A writable value may have been configured: a difference from its default is shown, but makes the exit
+/// COB-IDs and PDO mapping. It looks for undescribed objects in the communication profile area or, with --all, at all
+/// indexes. A writable value may have been configured: a difference from its default is shown, but makes the exit
 /// status 1 only with --as-delivered. Checks that need writing are left out.
 #[derive(clap::Args)]
 pub struct Args {
@@ -25,7 +25,7 @@ pub struct Args {
     /// Look for undescribed objects at every index from 1000h to FFFFh: a minute or more on a live bus
     #[arg(long)]
     all: bool,
-    /// Count every value that differs from its default: the device was never configured
+    /// Count every difference from a default, because the device was never configured
     #[arg(long)]
     as_delivered: bool,
     /// How to print the differences

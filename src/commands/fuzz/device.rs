@@ -54,7 +54,9 @@ impl Device {
         limited(opened.bus.as_mut());
         let usual = || Model::by_id(named?).and_then(Model::default_node);
         let node = node.or_else(usual);
-        let node = node.ok_or_else(|| anyhow!("which node? Use --node N (canvass scan {address} finds it)"))?;
+        let node = node.ok_or_else(|| {
+            anyhow!("the node-ID of the device is not known: use --node N (canvass scan {address} finds it)")
+        })?;
         let known = named.map(describe).transpose()?;
         let sheet = named.and_then(Model::by_id).map(Model::sheet);
         let knowledge = Knowledge::new(node, known.as_ref().map(|known| &known.description), sheet);

@@ -45,10 +45,10 @@ pub fn settle(
     let device = if target.model.is_empty() { &interrupted.device } else { &target.model };
     match put_back(bus, device, timing, &interrupted, path)? {
         Status::Good => Ok(()),
-        _ => {
-            Err(anyhow!("{why}, and not everything could be restored: remove the file to test the device all the same")
-                .into())
-        }
+        _ => Err(anyhow!(
+            "{why}, and some objects could not be restored: remove the file to test the device nevertheless"
+        )
+        .into()),
     }
 }
 

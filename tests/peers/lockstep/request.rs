@@ -40,6 +40,6 @@ pub struct Wanted {
     pub power_cycle: bool,
     /// Presses Ctrl-C at this frame, counted from 1.
     pub interrupt: Option<u64>,
-    /// Frames, counted from 1, at each of which the state that a kill would leave is kept under the name `kill N`.
+    /// The numbers of frames, counted from 1. At each the device's state is saved as `kill N`, as if the run ended there.
     pub kill: Vec<u64>,
 }

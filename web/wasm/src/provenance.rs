@@ -15,7 +15,7 @@ pub struct Surroundings {
 }
 
 impl Surroundings {
-    /// The provenance of a diagnosis, with the files that describe devices, as `NODES=FILE`.
+    /// The provenance of a diagnosis. `devices` are the device descriptions in use, each as `NODES=FILE`.
     pub fn of_diagnosis(&self, devices: Vec<String>, format: Option<&str>, same_bus: bool) -> Provenance {
         let options = vec![
             usual("fail-on", ["error"]),

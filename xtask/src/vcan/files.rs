@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
 /// Programs that the tests start.
-const PROGRAMS: [&str; 2] = ["ip", "chrt"];
+const PROGRAMS: [&str; 3] = ["ip", "chrt", "nice"];
 /// Other people's programs that the tests start.
 const PEERS: [&str; 6] = ["cansend", "candump", "cangen", "canplayer", "slcan_attach", "python"];
 /// Folders of this project that the tests read.

@@ -148,8 +148,8 @@ fn used(check: &Check<'_>, at: Multiplexer, is_sent: Option<bool>) -> Option<Use
     (is_of_network || cob_id.is_valid()).then_some(Used { at, field, cob_id, plus_node_id, is_sent })
 }
 
-/// The objects with the device's COB-IDs, and whether the device sends the message: SYNC, TIME, EMCY, PDOs, and all SDO
-/// servers but the first, whose CAN-IDs are restricted for all other messages.
+/// The objects that hold COB-IDs of SYNC, TIME, EMCY, PDOs and SDO servers, and whether the device sends the message. The
+/// first SDO server is left out: its CAN-IDs are restricted, so that no other message can have them.
 fn of_device(check: &Check<'_>) -> Vec<(Multiplexer, Option<bool>)> {
     let single = [(object::COB_ID_SYNC, None), (object::COB_ID_TIME, None), (object::COB_ID_EMCY, Some(true))];
     let single = single.map(|(index, is_sent)| (Multiplexer::new(index, 0), is_sent));

@@ -5,47 +5,49 @@ use super::rules;
 rules! {
     "eds";
 
-    /// ObjectType is none that CiA 301 defines, or does not go with the sub-indexes
+    /// ObjectType is not defined by CiA 301, or does not match the sub-indexes
     ///
-    /// It is 0 (NULL), 2 (DOMAIN), 5 (DEFTYPE), 6 (DEFSTRUCT), 7 (VAR), 8 (ARRAY) or 9 (RECORD); only ARRAY, RECORD and
-    /// DEFSTRUCT have sub-indexes.
+    /// ObjectType is 0 (NULL), 2 (DOMAIN), 5 (DEFTYPE), 6 (DEFSTRUCT), 7 (VAR), 8 (ARRAY) or 9 (RECORD); only ARRAY,
+    /// RECORD and DEFSTRUCT have sub-indexes.
     ///
     /// # What to do
     ///
-    /// Write `ObjectType=0x7` for a single value, `0x8` for entries of one type, `0x9` for others.
+    /// Write `ObjectType=0x7` for a single value, `0x8` for entries of one data type, `0x9` for entries of several.
     OBJECT_TYPE: Error Value, "eds/entry/object-type", "CiA 301" "7.4.3" Cited;
 
     /// a VAR has sub-indexes
     ///
-    /// An object with sub-indexes is an ARRAY, a RECORD or a DEFSTRUCT. Tools that go by ObjectType don't see them.
+    /// An object with sub-indexes is an ARRAY, a RECORD or a DEFSTRUCT. Tools that rely on ObjectType do not find the
+    /// sub-indexes.
     ///
     /// # What to do
     ///
-    /// Write `ObjectType=0x8` for entries of one type, `0x9` for others.
+    /// Write `ObjectType=0x8` for entries of one data type, `0x9` for entries of several.
     SUBS_OF_VAR: Warning Value, "eds/entry/subs-of-var", "CiA 306" Unknown;
 
-    /// DataType is none that CiA 301 defines
+    /// DataType is not defined by CiA 301
     ///
     /// Data types are 0001h to 001Bh and 0020h to 0025h of CiA 301, or 0040h to 025Fh of the manufacturer and the
-    /// profiles. The length of any other type is unknown.
+    /// profiles. The length of any other data type is unknown.
     ///
     /// # What to do
     ///
-    /// Correct the data type: it is an index, and so hexadecimal.
+    /// Correct the data type: it is an index, written in hexadecimal.
     DATA_TYPE: Error Value, "eds/entry/data-type", "CiA 301" "7.4.7.1" Cited;
 
-    /// AccessType is none that CiA 306 defines
+    /// AccessType is not defined by CiA 306
     ///
-    /// It is const, ro, wo, rw, rwr or rww. A tool does not know whether it may read or write the entry.
+    /// AccessType is const, ro, wo, rw, rwr or rww. With another value a tool does not know whether it may read or
+    /// write the entry.
     ///
     /// # What to do
     ///
     /// Write one of these access types.
     ACCESS: Error Value, "eds/entry/access", "CiA 306" Unknown;
 
-    /// AccessType is written in another way
+    /// AccessType has another spelling than in CiA 306
     ///
-    /// It is const, ro, wo, rw, rwr or rww. People understand other spellings, but not every tool does.
+    /// AccessType is const, ro, wo, rw, rwr or rww. People understand other spellings, but not every tool does.
     ///
     /// # What to do
     ///
@@ -54,7 +56,7 @@ rules! {
 
     /// LowLimit is above HighLimit
     ///
-    /// No value lies between them: a tool that checks what a user types refuses everything.
+    /// No value lies between the limits: a tool that checks the input of a user refuses every value.
     ///
     /// # What to do
     ///
@@ -63,7 +65,7 @@ rules! {
 
     /// a limit does not fit the data type
     ///
-    /// The limit is beyond the range of the data type. Tools ignore it, or cut it to another number.
+    /// The limit is outside the range of the data type. Tools ignore it, or truncate it to another number.
     ///
     /// # What to do
     ///
@@ -81,7 +83,7 @@ rules! {
 
     /// ObjFlags has bits that CiA 306 does not define
     ///
-    /// Bit 0 keeps a tool from writing the entry when it downloads everything, bit 1 from reading it when it reads everything.
+    /// Bit 0 excludes the entry when a tool writes all entries, bit 1 excludes it when a tool reads all entries.
     ///
     /// # What to do
     ///
@@ -99,7 +101,8 @@ rules! {
 
     /// sub-index 0 of an ARRAY or RECORD is not UNSIGNED8
     ///
-    /// Sub-index 0 holds the highest sub-index, in one byte. A tool that reads it in another length takes the wrong number.
+    /// Sub-index 0 holds the highest sub-index, in one byte. A tool that reads it with another length gets the wrong
+    /// number.
     ///
     /// # What to do
     ///
@@ -108,7 +111,8 @@ rules! {
 
     /// the elements of an ARRAY have different data types
     ///
-    /// All elements of an ARRAY have one type; tools that take the first for all read the others wrongly.
+    /// All elements of an ARRAY have the same data type. Tools that use the type of the first element for all misread
+    /// the others.
     ///
     /// # What to do
     ///
@@ -121,6 +125,6 @@ rules! {
     ///
     /// # What to do
     ///
-    /// Describe the sub-indexes that are missing, or make the object a RECORD.
+    /// Describe the missing sub-indexes, or make the object a RECORD.
     ARRAY_GAP: Hint Count, "eds/entry/array-gap", "CiA 301" "7.4.3" Cited;
 }

@@ -5,45 +5,45 @@ use super::rules;
 rules! {
     "eds";
 
-    /// a field stands in its section twice, with two values
+    /// a field occurs twice in its section, with two values
     ///
-    /// Which of the two counts differs between tools; strict ones refuse the file.
+    /// Some tools use the first value, others the second; strict tools refuse the file.
     ///
     /// # What to do
     ///
-    /// Remove the one that is not meant.
+    /// Remove the wrong field.
     TWICE: Error DuplicateField, "eds/field/twice", "CiA 306" Unknown;
 
-    /// a field stands in its section twice, with the same value
+    /// a field occurs twice in its section, with the same value
     ///
     /// Strict tools refuse the file.
     ///
     /// # What to do
     ///
-    /// Remove one of the two.
+    /// Remove one of the two fields.
     REPEATED: Warning DuplicateField, "eds/field/repeated", "CiA 306" Unknown;
 
-    /// a field is not one that CiA 306 defines in its section
+    /// a field is not defined by CiA 306 in its section
     ///
-    /// Other tools leave it out.
+    /// Other tools ignore the field.
     ///
     /// # What to do
     ///
-    /// Correct the name if another field is meant.
+    /// Correct the name if it is misspelled.
     UNKNOWN: Hint UnknownField, "eds/field/unknown", "CiA 306" Unknown;
 
     /// an object or entry has no name
     ///
-    /// Without ParameterName a user of a configuration tool sees a bare number.
+    /// Without ParameterName a user of a configuration tool sees only a number.
     ///
     /// # What to do
     ///
-    /// Give it a name.
+    /// Add ParameterName.
     NAME_MISSING: Warning MissingField, "eds/field/name-missing", "CiA 306" Unknown;
 
-    /// a name stands in quotes
+    /// a name is enclosed in quotes
     ///
-    /// An EDS has no quoted texts: the quotes become a part of the name.
+    /// An EDS does not quote texts: the quotes become a part of the name.
     ///
     /// # What to do
     ///
@@ -52,12 +52,12 @@ rules! {
 
     /// two objects, or two entries of an object, have the same name
     ///
-    /// Programs that find objects by their names, such as python-canopen, find only one of them; a user of a configuration
-    /// tool can't tell them apart. The first that repeats a name is reported.
+    /// Programs that find objects by their names, such as python-canopen, find only one of the two; a user of a
+    /// configuration tool can't distinguish them. The rule reports the first object or entry that repeats a name.
     ///
     /// # What to do
     ///
-    /// Give each a name of its own, for example with a number.
+    /// Give each a unique name, for example with a number.
     NAME_TWICE: Hint Value, "eds/field/name-twice", "CiA 306" Unknown;
 
     /// a name has more than 241 characters
@@ -71,7 +71,7 @@ rules! {
 
     /// ObjectType is missing
     ///
-    /// CiA 306 takes it for VAR then; some tools don't.
+    /// CiA 306 then assumes VAR; some tools do not.
     ///
     /// # What to do
     ///
@@ -89,7 +89,7 @@ rules! {
 
     /// AccessType is missing
     ///
-    /// Only a DOMAIN may leave it out, and is `rw` then. For other entries some tools assume `ro`, some `rw`.
+    /// Only a DOMAIN may omit AccessType, and is `rw` then. For other entries some tools assume `ro`, others `rw`.
     ///
     /// # What to do
     ///

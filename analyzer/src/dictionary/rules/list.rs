@@ -7,25 +7,25 @@ rules! {
 
     /// the count of a list is not the number of its entries
     ///
-    /// Tools read as many entries as the count says: the rest of the objects is lost, or entries are missed.
+    /// Tools read the number of entries that the count gives: further objects are lost, or entries are missing.
     ///
     /// # What to do
     ///
     /// Write the number of entries that follow.
     COUNT: Warning Count, "eds/list/count", "CiA 306" Unknown;
 
-    /// the entries of a list are not numbered from 1 without a gap
+    /// the numbers of the entries of a list do not start at 1, or have a gap
     ///
-    /// Tools look for the entries 1 to SupportedObjects, and miss those after a gap.
+    /// Tools look for the entries 1 to SupportedObjects, and miss the entries after a gap.
     ///
     /// # What to do
     ///
-    /// Number the entries from 1.
+    /// Number the entries from 1 without a gap.
     GAP: Warning Count, "eds/list/gap", "CiA 306" Unknown;
 
     /// the entries of a list are not in the order of their numbers
     ///
-    /// All tools read it correctly; only people have trouble.
+    /// All tools read the list correctly; only people find it hard to read.
     ///
     /// # What to do
     ///
@@ -43,44 +43,44 @@ rules! {
 
     /// an object is listed twice
     ///
-    /// An object stands in one list, once; tools may show it twice, or count wrongly.
+    /// An object occurs once, in one list. Tools may show it twice, or count wrongly.
     ///
     /// # What to do
     ///
-    /// Remove one of the entries, and renumber the rest.
+    /// Remove one of the two entries, and renumber the others.
     TWICE: Warning List, "eds/list/twice", "CiA 306" Unknown;
 
     /// an object is listed, but not described
     ///
-    /// A tool that goes by the list finds nothing about the object and refuses the file, or leaves the object out.
+    /// A tool that relies on the list does not find the object and refuses the file, or omits the object.
     ///
     /// # What to do
     ///
-    /// Describe the object, or take it off the list.
+    /// Describe the object, or remove it from the list.
     UNDESCRIBED: Error List, "eds/list/undescribed", "CiA 306" Unknown;
 
     /// an object is described, but not listed
     ///
-    /// Tools that go by the lists don't see the object.
+    /// Tools that rely on the lists do not find the object.
     ///
     /// # What to do
     ///
-    /// Add it to the list of its kind.
+    /// Add the object to the list of its kind.
     UNLISTED: Warning List, "eds/list/unlisted", "CiA 306" Unknown;
 
     /// an object is in the wrong list
     ///
-    /// 1000h and 1001h (and 1018h, since CiA 301 version 4) are mandatory objects, 2000h to 5FFFh the manufacturer's, all
-    /// others optional.
+    /// 1000h and 1001h (and 1018h, since CiA 301 version 4) are mandatory objects, 2000h to 5FFFh are
+    /// manufacturer-specific objects, and all others are optional objects.
     ///
     /// # What to do
     ///
-    /// Move it to the list of its kind.
+    /// Move the object to the list of its kind.
     WRONG: Warning List, "eds/list/wrong", "CiA 306" Unknown;
 
     /// SubNumber is not the number of sub-indexes
     ///
-    /// Tools read as many sub-indexes as it says, and lose the rest.
+    /// Tools read the number of sub-indexes that SubNumber gives, and lose the others.
     ///
     /// # What to do
     ///
@@ -89,11 +89,12 @@ rules! {
 
     /// sub-index 0 is not the highest sub-index
     ///
-    /// Where sub-index 0 can't be written it holds the highest sub-index that the object has. Tools read up to that number.
+    /// A sub-index 0 that can't be written holds the highest sub-index of the object. Tools read the sub-indexes up to
+    /// that number.
     ///
     /// # What to do
     ///
-    /// Correct the default of sub-index 0, or describe the sub-indexes that are missing.
+    /// Correct the default of sub-index 0, or describe the missing sub-indexes.
     HIGHEST: Warning Count, "eds/list/highest-sub-index", "CiA 301" "7.4.7.2" Cited;
 
     /// NrOfEntries is not the number of names or values
@@ -105,9 +106,9 @@ rules! {
     /// Write the number of entries that follow.
     BESIDE: Warning Count, "eds/list/entries", "CiA 306" Unknown;
 
-    /// a name or value is for a sub-index that the short form does not make
+    /// a name or value belongs to a sub-index that CompactSubObj does not create
     ///
-    /// CompactSubObj makes the sub-indexes 1 to its number; only these can have names and values of their own.
+    /// CompactSubObj creates the sub-indexes from 1 to its number. Only these can have their own names and values.
     ///
     /// # What to do
     ///
@@ -116,7 +117,7 @@ rules! {
 
     /// a link leads to an object that is not described
     ///
-    /// `[xxxxObjectLinks]` names objects that belong together; a tool finds nothing there.
+    /// `[xxxxObjectLinks]` names objects that belong together; a tool finds no object at this index.
     ///
     /// # What to do
     ///

@@ -7,34 +7,34 @@ rules! {
 
     /// NrOfEntries is not the number of modules
     ///
-    /// A tool offers as many modules as SupportedModules says.
+    /// A tool offers the number of modules that SupportedModules gives.
     ///
     /// # What to do
     ///
-    /// Write the number of modules that are described.
+    /// Write the number of described modules.
     COUNT: Warning Count, "eds/module/count", "CiA 306" Unknown;
 
     /// a section of a module is missing
     ///
-    /// Modules need SupportedModules, and each has a section such as M1ModuleInfo.
+    /// Modules need the section SupportedModules, and each module has a section such as M1ModuleInfo.
     ///
     /// # What to do
     ///
     /// Add the section.
     SECTION: Warning MissingSection, "eds/module/section-missing", "CiA 306" Unknown;
 
-    /// modules are not numbered from 1 without a gap
+    /// the numbers of the modules do not start at 1, or have a gap
     ///
-    /// A tool looks for modules from 1 to NrOfEntries, and misses those after a gap.
+    /// A tool looks for the modules 1 to NrOfEntries, and misses the modules after a gap.
     ///
     /// # What to do
     ///
-    /// Number the modules from 1.
+    /// Number the modules from 1 without a gap.
     NUMBER: Warning Count, "eds/module/number", "CiA 306" Unknown;
 
-    /// a module does not say how many sub-indexes it adds
+    /// a module lacks the number of sub-indexes that it adds
     ///
-    /// Count tells how many sub-indexes each such module adds to an object.
+    /// Count is the number of sub-indexes that each module of this kind adds to an object.
     ///
     /// # What to do
     ///

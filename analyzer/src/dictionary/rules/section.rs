@@ -5,47 +5,48 @@ use super::rules;
 rules! {
     "eds";
 
-    /// a section stands in the file twice
+    /// a section occurs twice in the file
     ///
-    /// Which of the two counts differs between tools: the first, the last, both together; strict ones refuse the file.
+    /// Some tools use the first section, others the last, or both together; strict tools refuse the file.
     ///
     /// # What to do
     ///
-    /// Remove the one that is not meant.
+    /// Remove the wrong section.
     TWICE: Error DuplicateSection, "eds/section/twice", "CiA 306" Unknown;
 
-    /// a section that CiA 306 asks for is missing
+    /// a section that CiA 306 requires is missing
     ///
     /// Every description has FileInfo, DeviceInfo, DummyUsage, Comments, MandatoryObjects, OptionalObjects and
-    /// ManufacturerObjects, empty if need be. CiA's conformance test refuses one without.
+    /// ManufacturerObjects, which may be empty. CiA's conformance test refuses a description without them.
     ///
     /// # What to do
     ///
     /// Add the section: an empty list has `SupportedObjects=0`, empty comments have `Lines=0`.
     MISSING: Warning MissingSection, "eds/section/missing", "CiA 306" Unknown;
 
-    /// a section is not one that CiA 306 defines
+    /// a section is not defined by CiA 306
     ///
-    /// Other tools leave it out.
+    /// Other tools ignore the section.
     ///
     /// # What to do
     ///
-    /// Correct the name if another section is meant.
+    /// Correct the name if it is misspelled.
     UNKNOWN: Hint UnknownSection, "eds/section/unknown", "CiA 306" Unknown;
 
     /// the index or sub-index in the name of a section is not in the usual form
     ///
-    /// The name of an object's section is four hexadecimal digits, `[1018]`; that of a sub-index has its number in
-    /// hexadecimal without leading zeros, `[1018sub1]`. Other tools don't find the section.
+    /// The name of an object's section is four hexadecimal digits, `[1018]`. The section of a sub-index has its number
+    /// in hexadecimal without leading zeros, `[1018sub1]`. Other tools do not find the section.
     ///
     /// # What to do
     ///
-    /// Write the name in that form.
+    /// Write the name in the usual form.
     SPELLING: Warning Line, "eds/section/spelling", "CiA 306" Unknown;
 
     /// sub-indexes are described without their object
     ///
-    /// The object's own section says what it is and how many sub-indexes it has. Without it tools don't see the object.
+    /// The section of the object defines its type and its number of sub-indexes. Without it tools do not find the
+    /// object.
     ///
     /// # What to do
     ///
@@ -54,17 +55,16 @@ rules! {
 
     /// an ARRAY or RECORD has no sub-indexes
     ///
-    /// The entries of such an object are its sub-indexes: without them a tool can't read or write the object.
+    /// The entries of an ARRAY or RECORD are its sub-indexes: without them a tool can't read or write the object.
     ///
     /// # What to do
     ///
-    /// Describe the sub-indexes, in sections of their own or by CompactSubObj; or write ObjectType=0x7 for a single
-    /// value.
+    /// Describe the sub-indexes, in separate sections or by CompactSubObj, or write ObjectType=0x7 for a single value.
     SUBS_MISSING: Error MissingSection, "eds/section/subs-missing", "CiA 306" Unknown;
 
     /// an ARRAY or RECORD has no sub-index 0
     ///
-    /// Sub-index 0 holds the highest sub-index; a device that has such an object has it.
+    /// Sub-index 0 holds the highest sub-index; a device with an ARRAY or RECORD always has it.
     ///
     /// # What to do
     ///

@@ -14,63 +14,64 @@ rules! {
     /// Describe the object as its standard defines it.
     OBJECT_CODE: Warning Standard, "eds/standard/object-code", "CiA 301" "7.5.2" Cited;
 
-    /// an object of a standard has the name of another one
+    /// a standard object has the name of another standard object
     ///
-    /// Its index says what it is, and the name says something else, mostly because the section was copied. A user of a
-    /// configuration tool goes by the name and sets the wrong parameter.
+    /// The index and the name of the object contradict each other, mostly because the section was copied. A user of a
+    /// configuration tool relies on the name and sets the wrong parameter.
     ///
     /// # What to do
     ///
     /// Correct the name, or the index of the section.
     NAME: Warning Standard, "eds/standard/name", "CiA 301" "7.5.2" Cited;
 
-    /// an object of a standard has another data type
+    /// the data type of a standard object differs from the standard
     ///
-    /// Masters that know the standard read and write the object in the standard's length, and a device with another one
-    /// aborts.
+    /// Masters that know the standard read and write the object with the length of the standard, and a device with
+    /// another length aborts.
     ///
     /// # What to do
     ///
     /// Use the data type of the standard. If the device really has another type, that is a fault of the device.
     DATA_TYPE: Warning Standard, "eds/standard/data-type", "CiA 301" "7.5.2" Cited;
 
-    /// an object of a standard has another access type
+    /// the access type of a standard object differs from the standard
     ///
-    /// Masters write what the standard lets them write, and rely on not overwriting what is read only.
+    /// Masters write the objects that are writable in the standard, and expect that read-only objects do not change by
+    /// writing.
     ///
     /// # What to do
     ///
     /// Use the access type of the standard.
     ACCESS: Warning Standard, "eds/standard/access", "CiA 301" "7.5.2" Cited;
 
-    /// an object that the standard makes writable can't be written
+    /// an object that is writable in the standard can't be written
     ///
-    /// Many devices fix a parameter; a master that sets it gets abort 0601 0002h.
+    /// Many devices have a fixed value for a parameter; a master that sets it gets abort 0601 0002h.
     ///
     /// # What to do
     ///
-    /// Nothing, if the device is like that.
+    /// No action is needed if the device behaves as described.
     ACCESS_LESS: Hint Standard, "eds/standard/read-only", "CiA 301" "7.5.2" Cited;
 
     /// an object of the communication profile has PDOMapping=1
     ///
-    /// CiA 301 lets only 1001h, 1002h and 1013h be mapped into PDOs.
+    /// CiA 301 allows only 1001h, 1002h and 1013h to be mapped into PDOs.
     ///
     /// # What to do
     ///
     /// Set PDOMapping=0.
     MAPPING: Hint Standard, "eds/standard/pdo-mapping", "CiA 301" "7.5.2" Cited;
 
-    /// the default of a standard object is outside what its standard allows
+    /// the default of a standard object is not allowed by its standard
     ///
-    /// Such a value has no meaning, and a device that follows the standard refuses it with abort 0609 0030h.
+    /// The value has no meaning, and a device that follows the standard refuses it with abort 0609 0030h.
     ///
     /// # What to do
     ///
     /// Correct the default.
     RANGE: Warning Standard, "eds/standard/range", "CiA 301" "7.5.2" Cited;
 
-    /// an object that every device has is missing
+    /// an object that every device must have is missing
     ///
     /// Every CANopen device has 1000h (device type) and 1001h (error register).
     ///
@@ -88,13 +89,13 @@ rules! {
     /// Describe 1018h, if the device has it.
     IDENTITY_MISSING: Hint MissingSection, "eds/standard/identity-missing", "CiA 301" "7.5.2.21" Cited;
 
-    /// an object is there without the one that it belongs to
+    /// an object is described without another object that it needs
     ///
-    /// Restoring (1011h) needs storing (1010h), life guarding both 100Ch and 100Dh, the EMCY inhibit time (1015h) needs
-    /// EMCY (1014h), the window of synchronous PDOs (1007h) and the SYNC counter (1019h) need SYNC (1005h).
+    /// Restoring (1011h) needs storing (1010h), life guarding needs both 100Ch and 100Dh, the EMCY inhibit time (1015h)
+    /// needs EMCY (1014h), and the window of synchronous PDOs (1007h) and the SYNC counter (1019h) need SYNC (1005h).
     ///
     /// # What to do
     ///
-    /// Describe the other object, too, or remove this one.
+    /// Describe the other object as well, or remove this object.
     COMPANION: Hint Standard, "eds/standard/companion", "CiA 301" "7.5.2" Cited;
 }

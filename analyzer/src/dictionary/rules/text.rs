@@ -7,36 +7,37 @@ rules! {
 
     /// the file has characters that are not ASCII
     ///
-    /// CiA 306 asks for ASCII. Files in the field have UTF-8 and Latin-1, and tools guess differently, so that names of
-    /// objects come out garbled.
+    /// CiA 306 requires ASCII. Some files have UTF-8 or Latin-1, and tools guess differently, so that names of objects
+    /// are garbled.
     ///
     /// # What to do
     ///
-    /// Write names without accents and special signs.
+    /// Write names without accents and special characters.
     ENCODING: Hint Encoding, "eds/text/encoding", "CiA 306" Unknown;
 
     /// the file begins with a byte order mark
     ///
-    /// Tools that don't know the mark take it for a part of the first line, and so miss the section `[FileInfo]` or refuse
-    /// the file.
+    /// Tools that do not know the mark treat it as a part of the first line, and then miss the section `[FileInfo]` or
+    /// refuse the file.
     ///
     /// # What to do
     ///
-    /// Store the file without byte order mark, as ASCII or "UTF-8 without BOM".
+    /// Save the file without byte order mark, as ASCII or "UTF-8 without BOM".
     BYTE_ORDER_MARK: Warning Encoding, "eds/text/byte-order-mark", "CiA 306" Unknown;
 
     /// the file is UTF-16
     ///
-    /// Most tools read one byte as one character and find nothing in such a file.
+    /// Most tools read one byte as one character and find no section in the file.
     ///
     /// # What to do
     ///
-    /// Store the file as ASCII.
+    /// Save the file as ASCII.
     UTF_16: Warning Encoding, "eds/text/utf-16", "CiA 306" Unknown;
 
     /// lines end in more than one way, or in a carriage return alone
     ///
-    /// A carriage return alone ends a line for few tools: the others see one line, or the rest of the file as a comment.
+    /// Few tools accept a carriage return alone as the end of a line: others read the whole file as one line, or the
+    /// rest of it as a comment.
     ///
     /// # What to do
     ///
@@ -45,17 +46,17 @@ rules! {
 
     /// the file has control characters
     ///
-    /// Nothing but tabulators and line ends has a meaning in a description; some tools stop reading at such a character, and
-    /// a terminal that shows it may do anything.
+    /// Tabulators and line ends are the only control characters with a meaning in a description. Some tools stop
+    /// reading at another control character, and its effect on a terminal is unpredictable.
     ///
     /// # What to do
     ///
-    /// Remove them.
+    /// Remove the control characters.
     CONTROL: Warning Encoding, "eds/text/control-character", "CiA 306" Unknown;
 
     /// a line is longer than 255 characters
     ///
-    /// CiA 306 allows 255; tools with a fixed buffer cut the line and take the rest for another one.
+    /// CiA 306 allows 255 characters; tools with a fixed buffer cut the line and read the rest as another line.
     ///
     /// # What to do
     ///
@@ -74,36 +75,36 @@ rules! {
 
     /// a comment begins with # or //
     ///
-    /// In an EDS a comment begins with `;`. Some tools take such a line for a field.
+    /// In an EDS a comment begins with `;`. Some tools read such a line as a field.
     ///
     /// # What to do
     ///
-    /// Begin it with `;`.
+    /// Begin the comment with `;`.
     COMMENT: Warning Line, "eds/text/comment", "CiA 306" Unknown;
 
     /// a section line is not closed, or something follows its name
     ///
-    /// The line of a section is its name between `[` and `]`. Tools that find no `]` miss the section, and its fields fall to
-    /// the one before it.
+    /// The line of a section is its name between `[` and `]`. Tools that find no `]` miss the section and assign its
+    /// fields to the section before it.
     ///
     /// # What to do
     ///
-    /// Close the name with `]`, and write anything else in a line of its own.
+    /// Close the name with `]`, and move any other text to a separate line.
     SECTION_LINE: Warning Line, "eds/text/section-line", "CiA 306" Unknown;
 
     /// a merge conflict was left in the file
     ///
-    /// A version control system marks the two sides of a conflict by `<<<<<<<`, `=======` and `>>>>>>>`. Which side a tool
-    /// takes is chance.
+    /// A version control system marks the two sides of a conflict by `<<<<<<<`, `=======` and `>>>>>>>`. Tools use
+    /// either side.
     ///
     /// # What to do
     ///
-    /// Choose one side, and remove the other with the marks.
+    /// Keep one side, and remove the other side and the marks.
     CONFLICT: Error Line, "eds/text/conflict", "CiA 306" Unknown;
 
     /// half of the lines can't be read
     ///
-    /// Such a file is no device description, or was damaged: its rest is not reliable.
+    /// The file is not a device description, or was damaged: the readable lines are unreliable too.
     ///
     /// # What to do
     ///
@@ -112,7 +113,7 @@ rules! {
 
     /// the file is so large that the rest was left out
     ///
-    /// No device has so many lines or objects. Nothing beyond the bound was read or checked.
+    /// No device description has this many lines or objects. Text beyond the limit was neither read nor checked.
     ///
     /// # What to do
     ///

@@ -5,9 +5,9 @@ use super::rules;
 rules! {
     "xdd";
 
-    /// the file is no well-formed XML
+    /// the file is not well-formed XML
     ///
-    /// No tool reads the rest of the file.
+    /// Tools can't read the rest of the file.
     ///
     /// # What to do
     ///
@@ -25,16 +25,16 @@ rules! {
 
     /// an object or sub-index is described twice
     ///
-    /// Which of the two counts differs between tools.
+    /// Some tools use the first description, others the second.
     ///
     /// # What to do
     ///
-    /// Remove the one that is not meant.
+    /// Remove the wrong description.
     TWICE: Error DuplicateSection, "xdd/object/twice", "CiA 311" Unknown;
 
     /// a hexadecimal number has a prefix
     ///
-    /// Index, subIndex, dataType and objFlags are hexadecimal digits without 0x: a file with a prefix is against the
+    /// Index, subIndex, dataType and objFlags are hexadecimal digits without 0x: a file with a prefix violates the
     /// schema.
     ///
     /// # What to do
@@ -42,9 +42,9 @@ rules! {
     /// Remove the 0x.
     PREFIX: Warning Number, "xdd/number/prefix", "CiA 311" Unknown;
 
-    /// an index, data type or flag is no hexadecimal number, or too large
+    /// an index, data type or flag is not a hexadecimal number, or too large
     ///
-    /// The value could not be used.
+    /// canvass ignores the value.
     ///
     /// # What to do
     ///
@@ -62,34 +62,35 @@ rules! {
 
     /// subNumber is not the number of sub-indexes
     ///
-    /// Tools read as many sub-indexes as it says.
+    /// Tools read the number of sub-indexes that subNumber gives.
     ///
     /// # What to do
     ///
     /// Write the number of CANopenSubObject elements.
     SUB_NUMBER: Warning Count, "xdd/object/sub-number", "CiA 311" Unknown;
 
-    /// objectType is none that CiA 301 defines
+    /// objectType is not defined by CiA 301
     ///
-    /// It is 0, 2, 5, 6, 7, 8 or 9.
+    /// objectType is 0, 2, 5, 6, 7, 8 or 9.
     ///
     /// # What to do
     ///
-    /// Write 7 for a single value, 8 for entries of one type, 9 for others.
+    /// Write 7 for a single value, 8 for entries of one data type, 9 for entries of several.
     OBJECT_TYPE: Error Value, "xdd/object/object-type", "CiA 311" Unknown;
 
     /// an object has no data type
     ///
-    /// Without one a tool does not know how many bytes to read or to write.
+    /// Without a data type a tool does not know how many bytes to read or to write.
     ///
     /// # What to do
     ///
-    /// Add dataType, or a reference to a parameter that has one.
+    /// Add dataType, or a reference to a parameter with a data type.
     DATA_TYPE_MISSING: Error MissingField, "xdd/object/data-type-missing", "CiA 311" Unknown;
 
-    /// accessType is none that CiA 311 defines
+    /// accessType is not defined by CiA 311
     ///
-    /// It is const, ro, wo or rw. A tool does not know whether it may read or write the entry.
+    /// accessType is const, ro, wo or rw. With another value a tool does not know whether it may read or write the
+    /// entry.
     ///
     /// # What to do
     ///
@@ -98,7 +99,7 @@ rules! {
 
     /// accessType is missing
     ///
-    /// The access type is unknown; canvass takes ro.
+    /// The access type is unknown; canvass assumes ro.
     ///
     /// # What to do
     ///

@@ -8,16 +8,16 @@ use canvass_traces::{Duration, Timestamp};
 
 /// a node sends before its boot-up message
 ///
-/// After it was reset by an NMT command, a node sends something else (EMCY, heartbeat, PDO, SDO answer) before its
-/// boot-up message. A boot-up that comes much later belongs to something else. What comes within the grace time after
-/// the command may still have been queued.
+/// A node that an NMT command has reset sends another message (EMCY, heartbeat, PDO, SDO answer) before its boot-up
+/// message. The rule ignores a boot-up message that comes much later, because it has another cause, and messages within
+/// the grace time after the command, because they may have been queued.
 ///
 /// # Why
-/// The boot-up message says that the node has left initialisation. Before it, a master does not listen, so the message
-/// is lost on it; an EMCY lost there never comes again.
+/// The boot-up message reports that the node has left initialisation. A master does not evaluate messages of the node
+/// before it, so they are lost; an EMCY that is lost then is not repeated.
 ///
 /// # What to do
-/// A fault of the device's firmware: it must send its boot-up message first (CiA 301, NMT slave states).
+/// The device's firmware is faulty: it must send its boot-up message first (CiA 301, NMT slave states).
 #[rule(id = "bus/before-boot-up", severity = Warning, rank = Detail, also = Resetting)]
 struct BeforeBootUp {
     /// grace time for frames that were still queued

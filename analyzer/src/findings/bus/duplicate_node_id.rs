@@ -17,19 +17,21 @@ const EFFECTS: &[Effect] = &[Effect::never_on(&["lss/"]), Effect::on_the_rest().
 
 /// two devices have the same node-ID
 ///
-/// One node-ID speaks with two voices: its heartbeats alternate between two states without any command, or between two
-/// intervals; one SDO request gets two different answers, or several requests get the same answer twice; a second
-/// boot-up follows the first without a reset while the other device's heartbeat goes on; or a part of its identity that
-/// can't change is read with two values, without a boot-up in between. Copies of a frame that the interface itself made
-/// don't count.
+/// Messages with one node-ID come from two devices: its heartbeats alternate between two states without any command, or
+/// between two intervals; one SDO request gets two different answers, or several requests get the same answer twice; a
+/// second boot-up follows the first without a reset while the other device's heartbeat continues; or a constant part of
+/// its identity is read with two values, without a boot-up in between. The rule does not count copies of a frame that
+/// the interface made, a server that repeats one answer again and again, and answers within ten seconds after the abort
+/// of a client, which some servers send.
 ///
 /// # Why
-/// Both devices obey and answer whatever is sent to this node-ID. Configuration of one destroys the other's, and data
-/// of both are mixed on the same CAN-IDs, where equal beginnings even cause bus errors.
+/// Both devices execute and answer every message to this node-ID. Configuring one device overwrites the configuration
+/// of the other, and the data of both are mixed on the same CAN-IDs. Frames of both that start at the same moment cause
+/// bus errors.
 ///
 /// # What to do
-/// Disconnect the devices one by one until the node-ID is silent, and give one of them another. Devices of the same
-/// type that were all delivered with the default node-ID are the usual cause.
+/// Disconnect the devices one by one until the node-ID is silent, and give one of the two devices another node-ID. The
+/// usual cause is several devices of the same type with the default node-ID.
 #[rule(
     id = "bus/duplicate-node-id",
     severity = Error,
@@ -62,6 +64,8 @@ struct Voice {
     asked: Option<Timestamp>,
     /// Number of requests that got the same answer twice.
     doubles: u32,
+    /// Time of the last abort by a client: some servers answer it, so that later answers prove nothing for a while.
+    aborted: Option<Timestamp>,
     identity: [Option<u32>; 4],
 }
 
@@ -69,6 +73,8 @@ struct Voice {
 struct Answer {
     channel: ChannelIndex,
     seen: Seen,
+    /// Whether the answer was repeated already: a server that repeats itself is no second device.
+    repeated: bool,
 }
 
 impl Voice {
@@ -76,6 +82,8 @@ impl Voice {
     const FLIPS: u32 = 4;
     /// Number of requests with two equal answers that prove two devices.
     const DOUBLES: u32 = 3;
+    /// Requests that are unanswered for this time get no answer any more.
+    const FORGOTTEN: Duration = Duration::from_secs(10);
 
     fn commanded(&mut self) {
         (self.flips, self.state, self.earlier, self.surviving) = (0, None, None, None);
@@ -103,7 +111,7 @@ impl Rule for DuplicateNodeId {
                 voice.heartbeat(message.state, node, context, sink);
             }
             Message::ErrorControl(_) => voice.boot_up(context),
-            Message::SdoRequest(Request::Abort(_)) => voice.answer = None,
+            Message::SdoRequest(Request::Abort(_)) => (voice.answer, voice.aborted) = (None, Some(context.now())),
             Message::SdoRequest(_) | Message::SdoBlockDownload(_) => {
                 voice.asked(context.now());
             }
@@ -123,8 +131,7 @@ impl Rule for DuplicateNodeId {
 impl Voice {
     /// Counts a request. Requests that are unanswered for a long time are no longer expected to be answered.
     fn asked(&mut self, now: Timestamp) {
-        const FORGOTTEN: Duration = Duration::from_secs(10);
-        if self.asked.replace(now).is_some_and(|before| now.since(before) > FORGOTTEN) {
+        if self.asked.replace(now).is_some_and(|before| now.since(before) > Self::FORGOTTEN) {
             self.outstanding = 0;
         }
         self.answer = None;
@@ -183,33 +190,46 @@ impl Voice {
 
     fn answered(&mut self, response: Response, node: NodeId, context: &Context<'_>, sink: &mut Sink<'_>) {
         let Some(channel) = context.decoded.channel else { return };
+        let first = self.answer.take().filter(|first| first.channel == channel);
+        let repeats = first.as_ref().is_some_and(|first| first.seen.record.frame == context.record.frame);
+        if let Some(first) = &first {
+            self.second_answer(first, response, node, context, sink);
+        }
+        self.identify(response, node, context, sink);
+        self.outstanding = self.outstanding.saturating_sub(1);
+        let doubtful = self.aborted.is_some_and(|aborted| context.now().since(aborted) <= Self::FORGOTTEN);
+        let is_last = self.outstanding == 0 && self.asked.is_some() && !doubtful;
+        self.answer = is_last.then(|| Answer { channel, seen: context.seen(), repeated: repeats });
+    }
+
+    /// Handles a further answer to a request that was answered already.
+    fn second_answer(
+        &mut self,
+        first: &Answer,
+        response: Response,
+        node: NodeId,
+        context: &Context<'_>,
+        sink: &mut Sink<'_>,
+    ) {
         let now = context.now();
+        let report = Report::at(now).node(node).evidence(first.seen.evidence()).evidence(context.evidence());
         // A server that gives up a transfer also sends an abort, but later.
         let longest = Duration::from_millis(if matches!(response, Response::Abort(_)) { 100 } else { 1_000 });
-        if let Some(first) = self.answer.as_ref().filter(|first| first.channel == channel)
-            && let Message::SdoResponse(before) = first.seen.decoded.message
+        if let Message::SdoResponse(before) = first.seen.decoded.message
             && contradicts(before, response)
             && now.since(first.seen.time()) <= longest
         {
-            let report = Report::at(now).node(node).detail(4).evidence(first.seen.evidence());
-            sink.report(report.evidence(context.evidence()), || "one SDO request got two different answers".to_owned());
+            sink.report(report.detail(4), || "one SDO request got two different answers".to_owned());
         }
-        if let Some(first) = self.answer.as_ref().filter(|first| first.channel == channel)
-            && first.seen.record.frame == context.record.frame
-            && response.multiplexer().is_some()
-        {
+        let is_same = first.seen.record.frame == context.record.frame;
+        if is_same && !first.repeated && response.multiplexer().is_some() {
             self.doubles += 1;
             if self.doubles >= Self::DOUBLES {
-                let report = Report::at(now).node(node).detail(10).evidence(first.seen.evidence());
-                sink.report(report.evidence(context.evidence()), || {
+                sink.report(report.detail(10), || {
                     format!("SDO requests get the same answer twice, {} apart", now.since(first.seen.time()))
                 });
             }
         }
-        self.identify(response, node, context, sink);
-        self.outstanding = self.outstanding.saturating_sub(1);
-        let is_last = self.outstanding == 0 && self.asked.is_some();
-        self.answer = is_last.then(|| Answer { channel, seen: context.seen() });
     }
 
     /// Vendor-ID, product code, revision and serial number can't change while the node is running.

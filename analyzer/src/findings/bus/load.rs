@@ -22,18 +22,18 @@ const EFFECTS: &[Effect] = &[
 
 /// the bus is nearly full
 ///
-/// The bits of all frames within a window, with their stuff bits and the pauses between frames, fill more than the
-/// given share of it. The bit rate is given by the user, or inferred from frames that follow each other without a
-/// pause; if neither is possible, the rule reports nothing. An inferred bit rate is always high enough for the frames
-/// of each tenth of a second.
+/// The bits of all frames within a window, with stuff bits and the pauses between frames, fill more than the given
+/// share of the window. The bit rate is given by the user, or inferred from frames that follow each other without a
+/// pause; if neither is possible, the rule reports nothing. The rule infers a bit rate that is high enough for the
+/// frames of every tenth of a second.
 ///
 /// # Why
-/// What is sent with a high CAN-ID waits until nothing more important is sent. At a high load answers come late, PDOs
+/// A frame with a high CAN-ID waits until no frame with higher priority is sent. At a high load answers come late, PDOs
 /// lose their cycle, and controllers with small buffers lose frames.
 ///
 /// # What to do
-/// See in the statistics which node and service takes most. Lengthen event timers, set inhibit times, send cyclic data
-/// synchronously, or raise the bit rate.
+/// Find the node and service with the highest load in the statistics. Lengthen event timers, set inhibit times, send
+/// cyclic data synchronously, or raise the bit rate.
 #[rule(id = "bus/load", severity = Warning, rank = Participants, services = all, leads_to = EFFECTS)]
 struct Load {
     /// a higher load is reported

@@ -5,19 +5,18 @@ use crate::message::{Message, Service};
 use crate::wire::Malformed as Unreadable;
 use canvass_macros::rule;
 
-/// a frame is not as long as its service demands, or can't be read
+/// a frame has the wrong length for its service, or can't be decoded
 ///
-/// A frame on a CAN-ID of NMT, error control, SYNC, TIME, EMCY, SDO, LSS or LMT that has more or fewer bytes than the
-/// standard gives to that service, or whose bytes have no meaning in it. Findings are distinguished by service and length.
-/// An EMCY without bytes is the boot-up message of devices before CiA 301 V4.
+/// A frame on a CAN-ID of NMT, error control, SYNC, TIME, EMCY, SDO, LSS or LMT has more or fewer bytes than the
+/// standard defines for that service, or its bytes have no meaning there. Each service and length has its own finding.
+/// An EMCY without bytes is not reported: it is the boot-up message of devices before CiA 301 V4.
 ///
 /// # Why
-/// Receivers drop such frames, or read something else in them than was meant: a command is not obeyed by some nodes and
-/// obeyed by others.
+/// Receivers discard such frames or misinterpret them: some nodes execute a command, others don't.
 ///
 /// # What to do
-/// Find out who sends it: a node by its CAN-ID, commands and requests by what the masters and tools on this bus do. If
-/// nothing of CANopen should be on that CAN-ID, another protocol uses it.
+/// Find the sender: the CAN-ID shows the node; for commands and requests, check the masters and tools on this bus. If
+/// no CANopen message should have that CAN-ID, another protocol uses it.
 #[rule(
     id = "bus/malformed",
     severity = Warning,

@@ -4,17 +4,17 @@ use crate::findings::{Context, Scene, Seen};
 use crate::message::Message;
 use canvass_macros::rule;
 
-/// nothing on the bus is CANopen
+/// no frame on the bus belongs to CANopen
 ///
-/// Not one frame belongs to a service of CANopen: all are error frames, CAN FD or CAN XL frames, have 29-bit
-/// identifiers, or CAN-IDs of no known use. One frame of CANopen is enough for this rule to be silent.
+/// All frames of the capture are error frames, CAN FD or CAN XL frames, have 29-bit identifiers, or have CAN-IDs that
+/// no CANopen service is known to use. The rule reports nothing if a single frame belongs to a CANopen service.
 ///
 /// # Why
-/// Nothing was diagnosed: that there are no other findings says nothing about the machine.
+/// The diagnosis checked no message, so the absence of other findings tells nothing about the machine.
 ///
 /// # What to do
-/// Error frames alone come from a wrong bit rate, or of a recorder that nobody else is connected to. If there are other
-/// frames, check that this is the right bus, and the right channel of the recorder.
+/// If the capture holds error frames only, the bit rate is wrong, or no other device is connected to the recorder. If
+/// it holds other frames, check that the recorder uses the right bus and the right channel.
 #[rule(id = "bus/no-canopen", severity = Warning, rank = Detail, services = [Unknown, ErrorFrame])]
 struct NoCanopen {
     error_frames: u64,
@@ -45,7 +45,7 @@ impl Rule for NoCanopen {
         let kinds = [
             (self.error_frames, "error frames"),
             (self.foreign, "CAN FD, CAN XL or with 29-bit identifiers"),
-            (self.unknown, "with CAN-IDs of no known use"),
+            (self.unknown, "with CAN-IDs of unknown use"),
         ];
         let kinds = kinds.iter().filter(|kind| kind.0 > 0).map(|(count, what)| format!("{count} {what}"));
         let kinds: Vec<String> = kinds.collect();

@@ -8,16 +8,16 @@ use crate::{CobId, Multiplexer, NodeId};
 use canvass_macros::rule;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// one CAN-ID was given to two producers
+/// two producers are configured to one CAN-ID
 ///
 /// SDO traffic shows that two TPDOs or EMCYs, of one node or of two, have the same CAN-ID and are both switched on.
 ///
 /// # Why
-/// When both send at the same moment, arbitration can't decide, both see an error, and both repeat. Receivers can't
-/// tell whose data they got.
+/// When both send at the same moment, arbitration can't decide, both detect an error, and both repeat. Receivers can't
+/// tell which producer sent the data.
 ///
 /// # What to do
-/// Give one of them another CAN-ID, or switch it off (bit 31 of its COB-ID).
+/// Give one of the two another CAN-ID, or switch it off (bit 31 of its COB-ID).
 #[rule(
     id = "bus/overlapping-cob-id",
     severity = Error,

@@ -8,21 +8,21 @@ use crate::wire::sdo;
 use crate::{CobId, Multiplexer, NodeId};
 use canvass_macros::rule;
 
-/// a COB-ID is one that CiA 301 does not allow
+/// a COB-ID has a CAN-ID that CiA 301 restricts
 ///
 /// An SDO download has set a COB-ID of SYNC, TIME, EMCY, SDO or a PDO to a CAN-ID that CiA 301 restricts (000h to 07Fh,
-/// 101h to 180h, 581h to 5FFh, 601h to 67Fh, 6E0h to 6FFh, 701h to 7FFh), and the device has accepted it. Where an upload
-/// shows such a COB-ID, or one of the first SDO server (1200h) that is not the default, this is a warning: what the
-/// device says can't be, and its frames are understood as CiA 301 says. A COB-ID of 0 that is read is none; 80000000h
-/// should say so.
+/// 101h to 180h, 581h to 5FFh, 601h to 67Fh, 6E0h to 6FFh, 701h to 7FFh), and the device has accepted it. If an upload
+/// shows such a COB-ID, or a COB-ID of the first SDO server (1200h) other than the default, the finding is a warning:
+/// the value can't be correct, and the frames of the device are decoded according to CiA 301. A COB-ID that reads as 0
+/// is not reported: it means that there is no COB-ID, for which 80000000h is the correct value.
 ///
 /// # Why
-/// These CAN-IDs belong to NMT, default SDOs, error control and LSS. Process data there are taken for commands or answers
-/// by others.
+/// These CAN-IDs belong to NMT, default SDOs, error control and LSS. Other nodes take process data with such a CAN-ID
+/// for commands or answers.
 ///
 /// # What to do
-/// Choose another CAN-ID in the configuration. The device should have refused it with abort 0609 0030h. What a device
-/// says wrongly of itself is a fault of its firmware: tools that believe it lose it.
+/// Choose another CAN-ID in the configuration. The device should have refused this CAN-ID with abort 0609 0030h. If a
+/// device reports a wrong COB-ID, its firmware is faulty: tools that use the COB-ID can't reach the device.
 #[rule(id = "bus/restricted-cob-id", severity = Error, rank = State, also = EndedTransfers)]
 struct RestrictedCobId;
 

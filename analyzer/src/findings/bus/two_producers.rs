@@ -1,9 +1,9 @@
 use super::interleaving::Interleaving;
 use crate::findings::effect::Effect;
-use crate::findings::facts::TPDOS;
+use crate::findings::facts::{StreamEvent, TPDOS};
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Scene, Seen};
+use crate::findings::{Context, Scene, Seen, Severity};
 use crate::message::{Message, PdoNumber};
 use crate::wire::sync::Sync;
 use crate::{NodeId, PerNode};
@@ -17,6 +17,7 @@ const NEAR: u64 = 20;
 const EFFECTS: &[Effect] = &[
     Effect::on(&["pdo/sync-counter", "pdo/sync-jitter", "pdo/sync-missing"]),
     Effect::on(&["pdo/sync-pdo-missing", "pdo/sync-window", "pdo/time-jump"]),
+    Effect::on(&["pdo/length-changed"]).of_same_node(),
 ];
 
 /// two nodes produce on one CAN-ID
@@ -24,21 +25,22 @@ const EFFECTS: &[Effect] = &[
 /// SYNC or TIME comes at intervals that alternate between a long and a short one, again and again, or two series of
 /// SYNC counters are mixed: there are two producers with the same period. A TPDO that the SDO traffic of the capture
 /// shows to be cyclic comes twice in its cycle, again and again: after each SYNC, or within its event timer at
-/// intervals that together are the event timer.
+/// intervals that together are the event timer. Where nothing is known of a TPDO, its period is learned: a TPDO that
+/// then comes twice in each period, at intervals that together are the period, has probably two senders.
 ///
 /// # Why
-/// Everything synchronous happens twice in a cycle, and at changing distances; of a PDO, consumers take the values of
-/// two devices for those of one. When both send at the same moment, they disturb each other.
+/// All synchronous actions happen twice in a cycle, at changing distances. Consumers of a PDO take the values of two
+/// devices for the values of one. When both producers send at the same moment, they disturb each other.
 ///
 /// # What to do
-/// Read 1005h of all nodes: bit 30 must be set in one only; and 180xh:1 of all nodes: no CAN-ID must be in two. A
-/// configuration tool that was left connected is a frequent second producer of SYNC.
+/// Read 1005h of all nodes: bit 30 must be set in one node only. Read 180xh:1 of all nodes: each CAN-ID must occur once
+/// only. A configuration tool that was left connected is a frequent second producer of SYNC.
 #[rule(
     id = "bus/two-producers",
     severity = Error,
     rank = Participants,
     services = [Sync, Time, Nmt],
-    also = KnownTpdos,
+    also = [KnownTpdos, UnusualPdos],
     leads_to = EFFECTS
 )]
 struct TwoProducers {
@@ -147,6 +149,20 @@ impl TwoProducers {
         }
     }
 
+    /// Reports a TPDO whose learned period is divided into the same two parts again and again.
+    fn learned(node: NodeId, number: u16, context: &Context<'_>, sink: &mut Sink<'_>) {
+        let StreamEvent::Divided { first, second } = context.news().stream else { return };
+        if context.scene.facts.tpdos.of(node, number).is_known() {
+            return;
+        }
+        let report = Report::at(context.now()).node(node).detail(u64::from(number)).severity(Severity::Warning);
+        let report = report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence());
+        sink.report(report, || {
+            let turns = format!("after {first} and after {second} in turn");
+            format!("TPDO {number} came every {}, and now {turns}: two devices send it", first + second)
+        });
+    }
+
     fn restart(&mut self) {
         self.sync.restart();
         self.time.restart();
@@ -178,6 +194,7 @@ impl Rule for TwoProducers {
             }
             Message::Pdo(PdoNumber::Transmit(number)) => {
                 if let Some(node) = context.node() {
+                    Self::learned(node, *number, context, sink);
                     self.pdo(node, *number, context, sink);
                 }
             }

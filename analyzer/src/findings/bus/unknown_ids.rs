@@ -4,17 +4,18 @@ use crate::findings::{Context, Scene, Seen};
 use crate::message::Message;
 use canvass_macros::rule;
 
-/// frames with CAN-IDs of no known use
+/// frames have CAN-IDs of unknown use
 ///
-/// Frames of 11 bits on CAN-IDs that belong neither to the predefined connection set nor to anything that a description
-/// or the SDO traffic of the capture has set up.
+/// The capture contains 11-bit frames on CAN-IDs that neither the predefined connection set, nor a description, nor the
+/// SDO traffic of the capture assigns.
 ///
 /// # Why
-/// They may be PDOs whose CAN-IDs were set before the capture began, or another protocol on the same wires. They take
-/// their share of the bus, and nothing can be said of what is in them.
+/// The frames may be PDOs whose CAN-IDs were set before the capture began, or another protocol on the same wires. They
+/// add to the bus load, and their content can't be decoded.
 ///
 /// # What to do
-/// Say which devices the nodes are, by models or descriptions, so that their COB-IDs are known, or record from the start of the machine.
+/// Name the models or descriptions of the nodes, so that their COB-IDs are known, or record from the start of the
+/// machine.
 #[rule(id = "bus/unknown-ids", severity = Info, rank = Detail, services = [Unknown])]
 struct UnknownIds {
     /// a lower number of frames is not reported

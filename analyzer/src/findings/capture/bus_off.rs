@@ -12,15 +12,15 @@ const EFFECTS: &[Effect] = &[Effect::on(&["capture/error-frames", "capture/error
 
 /// the recorder's controller went bus-off
 ///
-/// An error frame says that the controller that recorded has left the bus, because its transmit error counter has
-/// passed 255.
+/// An error frame reports that the recording controller has left the bus, because its transmit error counter has passed
+/// 255.
 ///
 /// # Why
-/// Until it is restarted, it neither sends nor records. The other nodes may have gone on without it.
+/// Until the controller is restarted, it neither sends nor records. The other nodes may have continued to communicate.
 ///
 /// # What to do
-/// Check bit rate, wiring, and whether two senders use one CAN-ID. In a capture of a master, look at which frame it was
-/// sending.
+/// Check bit rate and wiring, and whether two senders use one CAN-ID. In a capture of a master, check which frame it
+/// was sending.
 #[rule(id = "capture/bus-off", severity = Error, rank = Loss, services = [ErrorFrame], leads_to = EFFECTS)]
 struct BusOff;
 

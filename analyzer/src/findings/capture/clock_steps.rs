@@ -10,8 +10,8 @@ use canvass_traces::Duration;
 /// A frame is older than the one before it in the same file, by more than reordering explains.
 ///
 /// # Why
-/// Times are not to be trusted around such a place: the clock of the recording machine was set, several recordings were
-/// joined, or the tool sorts frames by something else.
+/// Times around such a place are unreliable: the clock of the recording machine was set, several recordings were
+/// joined, or the tool does not sort frames by time.
 ///
 /// # What to do
 /// Record with a monotonic clock or with the time stamps of the interface; keep time synchronisation off while

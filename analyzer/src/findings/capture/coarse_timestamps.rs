@@ -8,15 +8,15 @@ use canvass_traces::Duration;
 
 /// the times of the capture are coarse
 ///
-/// All times are multiples of a whole millisecond or more, and so many frames have the same time as the frame before
-/// them that it is the clock that is coarse.
+/// All times are multiples of a millisecond or a longer step, and many frames have the same time as the frame before
+/// them, so that only a coarse clock explains them.
 ///
 /// # Why
 /// Response times, jitter and the bit rate can't be derived from such times. Rules that measure intervals allow for two
 /// steps of the clock.
 ///
 /// # What to do
-/// If timing matters, record in a format and with an interface that keep microseconds.
+/// If timing matters, record in a format and with an interface that have a resolution of microseconds.
 #[rule(id = "capture/coarse-timestamps", severity = Info, rank = Detail, of = capture)]
 struct CoarseTimestamps {
     /// this resolution, or a coarser one, is reported

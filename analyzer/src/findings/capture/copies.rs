@@ -4,12 +4,12 @@ use canvass_traces::{Place, Timestamp};
 
 /// frames are in the capture twice
 ///
-/// A frame is followed by the same frame sooner than a bus of 1 Mbit/s could carry it again, or within a millisecond
-/// with the other direction. Such copies are counted as frames; no rule looks at them.
+/// A frame is followed by the same frame sooner than a bus of 1 Mbit/s can transmit it again, or within a millisecond
+/// with the other direction. Such copies count as frames, but no rule evaluates them.
 ///
 /// # Why
-/// Many interfaces give back what they have sent. Taken for frames of the bus, copies look like a second sender: of
-/// SYNC, of a heartbeat, of an answer.
+/// Many interfaces return the frames that they have sent. If such copies were taken for frames of the bus, they would
+/// look like a second sender of SYNC, of a heartbeat or of an answer.
 ///
 /// # What to do
 /// Nothing is wrong with the bus. Switch off the loop-back of the recording interface, or record with one that does not

@@ -6,16 +6,16 @@ use canvass_macros::rule;
 
 /// parts of the capture can't be read
 ///
-/// Lines, packets or messages of the capture break the rules of its format, are cut, or the file has no proper end.
-/// They are counted by kind; the decoder names each with its place.
+/// Lines, packets or messages of the capture violate the rules of its format or are truncated, or the file has no
+/// proper end. Damages are counted by kind; the decoder names each of them with its place.
 ///
 /// # Why
-/// What stood there is missing in everything else that is said of this capture. Rules that wait for an answer or a next
-/// beat start anew after each damage, so that nothing is blamed on a node that may be the file's.
+/// The diagnosis lacks the frames at these places. Rules that wait for an answer or the next heartbeat start again
+/// after each damage, so that no node is blamed for a fault of the file.
 ///
 /// # What to do
-/// Look at the places that are named on standard error. A cut file comes from a recorder that was switched off;
-/// malformed lines from editing or from a tool that writes another dialect.
+/// Check the places that are named on standard error. A truncated file comes from a recorder that was switched off;
+/// malformed lines come from editing or from a tool that writes another dialect.
 #[rule(id = "capture/damaged", severity = Warning, rank = Detail, of = capture)]
 struct Damaged;
 

@@ -6,7 +6,7 @@ use canvass_macros::rule;
 
 /// the recorder lost frames
 ///
-/// The capture holds the recorder's own word that it could not keep up and lost frames: a drop count of candump, or of
+/// The recorder itself reports in the capture that it was too slow and lost frames: by a drop count of candump, or of
 /// the packets of a pcapng file.
 ///
 /// # Why

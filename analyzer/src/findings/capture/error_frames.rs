@@ -17,26 +17,32 @@ const EFFECTS: &[Effect] = &[Effect::on(&["capture/error-passive"])];
 
 /// the recorder's controller reports errors on the bus
 ///
-/// Error frames: a violation of the protocol (bit, stuff, form or CRC error), a missing acknowledgement, a transmit
-/// timeout, or an error counter that has reached the warning level. A lost arbitration is none.
+/// The capture contains error frames: a violation of the protocol (bit, stuff, form or CRC error), a missing
+/// acknowledgement, a transmit timeout, or an error counter that has reached the warning level. A lost arbitration is
+/// no error.
 ///
 /// # Why
-/// A good bus has none. They come from wrong termination, long stubs, bad shields, two bit rates on one bus, or two
-/// senders of one CAN-ID; frames are repeated and delayed until a controller gives up.
+/// A good bus has no error frames. They are caused by wrong termination, long stubs, bad shields, two bit rates on one
+/// bus, or two senders of one CAN-ID. Frames are repeated and delayed until a controller gives up.
 ///
 /// # What to do
-/// Measure 60 ohms between the wires with the supply off. See at which frame the errors come: always in the data of one
-/// CAN-ID points to two senders of it, at random to the wiring, a missing acknowledgement to a recorder that was alone
-/// on the bus or at another bit rate.
+/// Switch the supply off and measure 60 ohms between the wires. Check at which frames the errors occur: errors always
+/// in the data of one CAN-ID indicate two senders of it, random errors indicate the wiring, a missing acknowledgement
+/// indicates a recorder that was alone on the bus or at another bit rate.
 #[rule(id = "capture/error-frames", severity = Warning, rank = State, services = [ErrorFrame], leads_to = EFFECTS)]
 struct ErrorFrames;
+
+/// Whether the frame reports an error on the bus.
+pub fn is_error(error: &ErrorFrame) -> bool {
+    let warning = error.class.0 & CONTROLLER != 0 && error.detail[1] & WARNING != 0;
+    // Other tools record only that there was an error, without any class.
+    error.class.0 & ERRORS != 0 || warning || error.class.0 == 0
+}
 
 impl Rule for ErrorFrames {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         let Some(error) = ErrorFrame::of(&context.record.frame) else { return };
-        let warning = error.class.0 & CONTROLLER != 0 && error.detail[1] & WARNING != 0;
-        // Other tools record only that there was an error, without any class.
-        if error.class.0 & ERRORS == 0 && !warning && error.class.0 != 0 {
+        if !is_error(&error) {
             return;
         }
         let report = Report::at(context.now()).detail(u64::from(error.class.0)).evidence(context.evidence());

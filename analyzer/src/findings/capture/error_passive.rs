@@ -9,11 +9,11 @@ const PASSIVE: u8 = 0x10 | 0x20;
 
 /// the recorder's controller went error passive
 ///
-/// An error frame says that an error counter of the controller that recorded has passed 127: it does not signal errors
-/// any more.
+/// An error frame reports that an error counter of the recording controller has passed 127: the controller no longer
+/// signals errors.
 ///
 /// # Why
-/// So many errors in a row mean a bus on which hardly anything gets through: wrong bit rate, broken wire, missing
+/// This number of consecutive errors means that hardly any frame gets through: wrong bit rate, broken wire, missing
 /// termination, or no other node that acknowledges.
 ///
 /// # What to do

@@ -7,15 +7,14 @@ use canvass_traces::Duration;
 
 /// nothing was recorded for a long time
 ///
-/// For a time that is far longer than what was usual before, no frame of any node was recorded.
+/// No frame of any node was recorded for a time that is far longer than the usual pauses before it.
 ///
 /// # Why
-/// Either the bus was silent (no supply, a broken wire, bus-off), or recording was paused. Where several nodes fall
-/// silent together, no rule blames one of them.
+/// Either the bus was silent (no supply, a broken wire, bus-off), or recording was paused. If several nodes fall silent
+/// together, no rule blames a single node.
 ///
 /// # What to do
-/// Find out whether the machine was switched off at that time. If it was not, look at the frames before the gap: the
-/// last thing that happened is the best clue.
+/// Find out whether the machine was switched off at that time. If not, check the last frames before the gap.
 #[rule(id = "capture/gaps", severity = Info, rank = Detail, of = capture)]
 struct Gaps {
     /// least length of a gap

@@ -8,6 +8,7 @@ mod coarse_timestamps;
 mod copies;
 mod damaged;
 mod dropped;
+mod error_flood;
 mod error_frames;
 mod error_passive;
 mod gaps;

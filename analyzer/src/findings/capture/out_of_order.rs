@@ -2,17 +2,17 @@ use crate::findings::order::Disorder;
 use crate::findings::sink::{Report, Sink};
 use canvass_macros::rule;
 
-/// records are out of order by a little
+/// records are slightly out of order
 ///
-/// Frames are older than the one before them in the file, by at most 20 ms. They are looked at in the order of their
-/// times. What is older by more is a step of the clock.
+/// Frames are older than the previous frame in the file, by at most 20 ms. The diagnosis evaluates them in the order of
+/// their times. A larger difference counts as a step of the clock.
 ///
 /// # Why
-/// In the order of the file, answers come before their requests. Kernels with several processors and adapters
-/// with several channels hand frames over like this; nothing is wrong with the bus.
+/// In the order of the file, answers come before their requests. Kernels with several processors and adapters with
+/// several channels deliver frames in this way; the bus is not faulty.
 ///
 /// # What to do
-/// Nothing for this diagnosis. Sort the capture by its times before it is read by eye, or let one processor handle the
+/// This diagnosis needs no action. Sort the capture by its times before you read it, or let one processor handle the
 /// interrupts of the interface.
 #[rule(id = "capture/out-of-order", severity = Info, rank = Detail, of = nothing)]
 pub struct OutOfOrder;

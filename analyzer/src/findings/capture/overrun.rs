@@ -9,7 +9,7 @@ const OVERFLOW: u8 = 0x01 | 0x02;
 
 /// the recorder's controller lost frames
 ///
-/// An error frame says that the receive or transmit buffer of the controller that recorded has overflowed.
+/// An error frame reports that the receive or transmit buffer of the recording controller has overflowed.
 ///
 /// # Why
 /// Frames that were on the bus are not in the capture. A missing answer or heartbeat near such a place proves nothing

@@ -6,15 +6,15 @@ use canvass_macros::rule;
 
 /// error code and error register contradict each other
 ///
-/// An EMCY with an error code has an error register of 0, or lacks the bit of the code's class: current (2xxxh),
-/// voltage (3xxxh), temperature (4xxxh), communication (8110h to 82xxh). That bit 0 is not set as well is common and
-/// not reported, nor is 8100h without the bit: devices older than that bit send it.
+/// An EMCY with an error code has an error register of 0, or an error register without the bit of the code's class:
+/// current (2xxxh), voltage (3xxxh), temperature (4xxxh), communication (8110h to 82xxh). Two cases are not reported: a
+/// missing bit 0, which is common, and 8100h without the communication bit, which devices older than that bit send.
 ///
 /// # Why
-/// A master that looks at the register takes the error for gone, or for another one.
+/// A master that evaluates the register concludes that the error is gone, or that it is another error.
 ///
 /// # What to do
-/// A fault of the device's firmware (CiA 301, 1001h and emergency error codes).
+/// The device's firmware is faulty (CiA 301, 1001h and emergency error codes).
 #[rule(id = "emcy/contradiction", severity = Warning, rank = Detail, services = [Emcy])]
 struct Contradiction;
 

@@ -10,7 +10,7 @@ use canvass_traces::Duration;
 /// A node has reported an error by EMCY, and neither the end of the error (code 00xxh) nor a restart follows.
 ///
 /// # Why
-/// Either the error is still there, or the device does not report its end, as CiA 301 wants.
+/// Either the error is still present, or the device does not report its end, which CiA 301 demands.
 ///
 /// # What to do
 /// Read 1001h and 1003h of the node: if 1001h is 0, the error is gone and its end was not reported.

@@ -18,16 +18,16 @@ const EFFECTS: &[Effect] = &[
 
 /// a node reports an error
 ///
-/// An EMCY with an error code. Findings are distinguished by code; each says how long the error lasted, where the end was
-/// reported. Where the end (code 00xxh) comes with an error register that is not 0, the errors have ended whose bit is
-/// not in it any more. Some devices forget an error when 1001h is read: then the finding says so.
+/// A node sends an EMCY with an error code. Each code has its own finding, which says how long the error lasted if its
+/// end was reported. If the end (code 00xxh) comes with an error register other than 0, only the errors whose bits are
+/// cleared have ended. Some devices clear an error when 1001h is read; the finding says so.
 ///
 /// # Why
-/// The device itself says that something is wrong, inside or on its bus.
+/// The device itself reports an error, of its own or of its bus.
 ///
 /// # What to do
-/// The code and the manufacturer's bytes tell the cause; 1003h holds the history. Look at what happened on the bus just
-/// before.
+/// The error code and the manufacturer-specific bytes tell the cause; 1003h holds the history. Check the frames on the
+/// bus just before the EMCY.
 #[rule(
     id = "emcy/raised",
     severity = Error,

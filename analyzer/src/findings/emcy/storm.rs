@@ -17,11 +17,11 @@ const EFFECTS: &[Effect] = &[
 /// A node sends many EMCY messages within a short time.
 ///
 /// # Why
-/// EMCY has a high priority: a storm delays everything else, and hides which error came first. CiA 301 wants one EMCY
-/// for each event.
+/// EMCY has a high priority: a storm delays all other messages, and hides which error came first. CiA 301 demands one
+/// EMCY for each event.
 ///
 /// # What to do
-/// Set the EMCY inhibit time (1015h) of the node, and look at the first EMCY: the others follow from it.
+/// Set the EMCY inhibit time (1015h) of the node, and check the first EMCY: it causes the others.
 #[rule(id = "emcy/storm", severity = Error, rank = DeviceError, services = [Emcy], leads_to = EFFECTS)]
 struct Storm {
     /// least number of messages

@@ -6,14 +6,16 @@ mod node;
 mod operands;
 mod presence;
 mod requests;
+mod streams;
 mod tpdos;
 
 pub use errors::{Errors, Raised};
 pub use heartbeats::Heartbeats;
-pub use node::NodeFacts;
+pub use node::{NodeFacts, Obedience};
 pub use operands::Operand;
 pub use presence::{Orders, Outage, Presence, Sign};
 pub use requests::{Pending, RequestEvent, Requests};
+pub use streams::{Stream, StreamEvent, Streams};
 pub use tpdos::{AllParameters, Parameters, TPDOS};
 
 use super::rhythm::Interval;
@@ -46,6 +48,8 @@ pub struct Facts {
     pub requests: Requests,
     /// The present errors of the nodes, after the frame.
     pub errors: Errors,
+    /// The TPDOs as they are learned from their frames, after the frame.
+    pub streams: Streams,
     /// The presence of the nodes, before the frame.
     pub presence: Presence,
     /// The facts about the frame that several rules need.
@@ -59,6 +63,8 @@ pub struct News {
     pub begins_anew: bool,
     /// Whether the frame is a TPDO of which any parameter is known.
     pub is_known_tpdo: bool,
+    /// What a TPDO shows that is unusual.
+    pub stream: StreamEvent,
     /// Whether the concerned node has sent the frame.
     pub is_from_node: bool,
     /// The outage of the node that ends with this frame.
@@ -114,8 +120,11 @@ impl Facts {
         if !matches!(news.request, RequestEvent::None) {
             news.request = RequestEvent::None;
         }
+        news.stream = StreamEvent::Usual;
         match decoded.service {
+            Service::Sync => _ = self.streams.frame(record, decoded),
             Service::Pdo => {
+                news.stream = self.streams.frame(record, decoded);
                 if let (Some(node), Message::Pdo(PdoNumber::Transmit(number))) = (decoded.node, decoded.message) {
                     news.is_known_tpdo = self.tpdos.of(node, number).is_known();
                 }
@@ -132,7 +141,8 @@ impl Facts {
                 if decoded.service == Service::BootUp {
                     self.errors.frame(record, decoded);
                 }
-                news.request = self.requests.frame(record, decoded);
+                let absent = decoded.node.is_some_and(|node| self.nodes[node].is_absent());
+                news.request = self.requests.frame(record, decoded, absent);
                 self.heartbeats.other(decoded, begins_anew, bus);
             }
             Service::Guarding | Service::Lss | Service::Lmt => self.heartbeats.other(decoded, begins_anew, bus),
@@ -160,6 +170,7 @@ impl Facts {
         self.presence.interrupted(now);
         self.heartbeats.interrupted();
         self.requests.interrupted();
+        self.streams.interrupted();
     }
 
     /// Handles the frame after the rules have seen it.
@@ -169,6 +180,9 @@ impl Facts {
             Message::Nmt(nmt) => {
                 self.commanded(now, nmt.command, nmt.node);
                 self.presence.commanded(now, nmt);
+                if self.news.begins_anew {
+                    self.streams.restart(nmt.node);
+                }
             }
             Message::GuardingRequest => {
                 if let Some(node) = decoded.node {
@@ -192,6 +206,9 @@ impl Facts {
         if self.news.is_from_node {
             self.presence.heard(node);
             let facts = &mut self.nodes[node];
+            if let Message::ErrorControl(message) = decoded.message {
+                facts.shown(message.state);
+            }
             facts.is_slave |= matches!(decoded.service, Service::Sdo | Service::Pdo | Service::Emcy);
             if let (Some(_), Some(last)) = (facts.pending_reset, facts.last_seen) {
                 facts.longest_pause = facts.longest_pause.max(now.since(last));
@@ -204,10 +221,14 @@ impl Facts {
         if decoded.service == Service::BootUp {
             self.restarted(node, now);
             let facts = &mut self.nodes[node];
-            (facts.last_boot_up, facts.pending_reset, facts.has_moved) = (Some(now), None, false);
+            facts.booted(now);
+            self.streams.restart(node.raw());
             self.moved(bus);
         }
         if decoded.ends_transfer() {
+            if decoded.object.is_some_and(|object| matches!(object.index.0, 0x1800..=0x1BFF)) {
+                self.streams.restart(node.raw());
+            }
             self.transferred(now, node, decoded, bus);
         }
     }
@@ -245,14 +266,20 @@ impl Facts {
         !resets
             && present.all(|facts| {
                 let obeyed = |at| facts.last_boot_up.is_none_or(|boot_up| boot_up < at);
-                facts.command.is_some_and(|(last, at)| last == nmt.command && obeyed(at))
+                let left = facts.obedience == Obedience::Left;
+                !left && facts.command.is_some_and(|(last, at)| last == nmt.command && obeyed(at))
             })
     }
 
     fn commanded(&mut self, now: Timestamp, command: Command, node: u8) {
         let resets = command.is_reset();
         for (_, facts) in self.nodes.named_mut(node) {
+            let repeats = facts.command.is_some_and(|(last, _)| last == command);
+            if !repeats || facts.obedience == Obedience::Left {
+                facts.obedience = Obedience::Open;
+            }
             facts.command = Some((command, now));
+            facts.operational = command == Command::START;
             facts.is_slave |= node != 0;
             if resets {
                 (facts.pending_reset, facts.longest_pause) = (Some(now), Duration::ZERO);

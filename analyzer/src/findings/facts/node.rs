@@ -1,5 +1,6 @@
 //! Facts about one node.
 
+use crate::wire::error_control::State;
 use crate::wire::nmt::Command;
 use canvass_traces::{Duration, Timestamp};
 
@@ -12,8 +13,12 @@ pub struct NodeFacts {
     pub last_seen: Option<Timestamp>,
     /// The CAN-ID of the node's last message.
     pub last_id: Option<u16>,
+    /// Whether the last heartbeat, guarding answer, boot-up or start command shows the node in operational.
+    pub operational: bool,
     /// The last NMT command to the node or to all nodes.
     pub command: Option<(Command, Timestamp)>,
+    /// Whether the node has shown the state of `command`, and whether it has shown another one since.
+    pub obedience: Obedience,
     /// The last reset by NMT command without a boot-up yet.
     pub pending_reset: Option<Timestamp>,
     /// The longest silence since `pending_reset`: a node without a pause has not restarted.
@@ -27,6 +32,10 @@ pub struct NodeFacts {
     pub last_program_control: Option<Timestamp>,
     /// The last boot-up.
     pub last_boot_up: Option<Timestamp>,
+    /// Whether the last boot-up only repeated the one before.
+    pub repeated_boot_up: bool,
+    /// Whether the node has sent a single boot-up at a start, so that a second one is another start.
+    pub boots_once: bool,
     /// Whether the node is known to be an NMT slave: a command named it, it has answered an SDO client, or it sends
     /// TPDOs or EMCY. The NMT master does not hear its own commands to all nodes.
     pub is_slave: bool,
@@ -34,7 +43,22 @@ pub struct NodeFacts {
     pub has_moved: bool,
 }
 
+/// What error control shows of the last NMT command to a node.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub enum Obedience {
+    /// The commanded state was not shown yet.
+    #[default]
+    Open,
+    /// The node is in the commanded state.
+    Reached,
+    /// The node was in the commanded state and has left it by itself.
+    Left,
+}
+
 impl NodeFacts {
+    /// Time within which some devices send their boot-up message a second time.
+    const TWICE: Duration = Duration::from_millis(500);
+
     /// Time for which some devices are silent while they write their memory.
     pub const STORING: Duration = Duration::from_secs(5);
 
@@ -53,6 +77,36 @@ impl NodeFacts {
     pub fn is_silent_since_reset(&self) -> bool {
         const QUEUED: Duration = Duration::from_millis(50);
         self.pending_reset.is_some_and(|reset| self.last_seen.is_none_or(|seen| seen <= reset + QUEUED))
+    }
+
+    /// Whether the node has not been seen yet, or was reset and has not booted yet: it can't answer.
+    pub const fn is_absent(&self) -> bool {
+        self.first_seen.is_none() || self.pending_reset.is_some()
+    }
+
+    /// Whether a boot-up now only repeats the last one: some devices send two at each start.
+    pub fn repeats_boot_up(&self, now: Timestamp) -> bool {
+        let same_start = Self::is_recent(self.last_boot_up, now, Self::TWICE) && self.pending_reset.is_none();
+        same_start && !self.repeated_boot_up && !self.boots_once
+    }
+
+    /// Notes a boot-up.
+    pub(super) fn booted(&mut self, now: Timestamp) {
+        let repeats = self.repeats_boot_up(now);
+        self.boots_once |= !repeats && self.last_boot_up.is_some() && !self.repeated_boot_up;
+        (self.last_boot_up, self.repeated_boot_up) = (Some(now), repeats);
+        (self.pending_reset, self.has_moved) = (None, false);
+    }
+
+    /// Notes a state that error control shows.
+    pub(super) fn shown(&mut self, state: State) {
+        self.operational = state == State::OPERATIONAL;
+        let Some(commanded) = self.command.and_then(|(command, _)| command.state()) else { return };
+        self.obedience = match self.obedience {
+            _ if state == commanded => Obedience::Reached,
+            Obedience::Open => Obedience::Open,
+            Obedience::Reached | Obedience::Left => Obedience::Left,
+        };
     }
 
     /// Whether `then` is at most `span` before `now`.

@@ -38,6 +38,8 @@ pub struct Pending {
     pub times: u32,
     /// The object of the transfer.
     pub object: Option<Multiplexer>,
+    /// Whether the node could not answer at that time: it was not seen yet, or was reset and had not booted yet.
+    pub early: bool,
 }
 
 /// The effect of a frame on the requests.
@@ -78,8 +80,8 @@ impl Requests {
     /// Copies that an interface loops back come within this time.
     const COPY: Duration = Duration::from_millis(1);
 
-    /// Handles an SDO frame, a boot-up or an NMT command.
-    pub fn frame(&mut self, record: &Record, decoded: &Decoded) -> RequestEvent {
+    /// Handles an SDO frame, a boot-up or an NMT command. `absent`: the node of the frame can't answer.
+    pub fn frame(&mut self, record: &Record, decoded: &Decoded, absent: bool) -> RequestEvent {
         let Some(channel) = decoded.channel.filter(|_| decoded.service == Service::Sdo) else {
             self.forget_node(record.timestamp, decoded);
             return RequestEvent::None;
@@ -94,7 +96,7 @@ impl Requests {
                 *self.slot(channel) = None;
                 RequestEvent::None
             }
-            Message::SdoRequest(_) => self.request(channel, record, decoded),
+            Message::SdoRequest(_) => self.request(channel, record, decoded, absent),
             Message::SdoResponse(response) => match self.left(channel, response.multiplexer(), record.timestamp) {
                 Some(late) => late,
                 None => self.slot(channel).take().map_or(RequestEvent::None, RequestEvent::Answered),
@@ -104,10 +106,10 @@ impl Requests {
         }
     }
 
-    fn request(&mut self, channel: ChannelIndex, record: &Record, decoded: &Decoded) -> RequestEvent {
+    fn request(&mut self, channel: ChannelIndex, record: &Record, decoded: &Decoded, early: bool) -> RequestEvent {
         let now = record.timestamp;
         let request = Seen { record: record.clone(), decoded: *decoded };
-        let pending = Pending { request, since: now, times: 1, object: decoded.object };
+        let pending = Pending { request, since: now, times: 1, object: decoded.object, early };
         let slot = self.slot(channel);
         let Some(open) = slot.as_mut() else {
             *slot = Some(pending);

@@ -2,30 +2,45 @@ use super::exchange::{Sender, answer_to, command, own_command, sender, wants_ans
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen};
+use crate::message::Message;
+use crate::wire::lss::Response;
 use canvass_macros::rule;
 use canvass_traces::Duration;
 
 /// an LSS dialogue goes wrong
 ///
-/// An answer on 7E4h belongs to another service than the request before it, or nobody has asked, or several slaves
-/// answer what one slave is asked. Identify and Fastscan may have several answers.
+/// An answer on 7E4h belongs to another service than the request before it, comes without a request, or several slaves
+/// answer a request to one slave. Identify and Fastscan may have several answers. Or a request is sent on 7E4h: its
+/// master uses the wrong CAN-ID.
 ///
 /// # Why
-/// Several slaves in configuration state all take the node-ID and the bit rate that follow: two devices end up with one
-/// node-ID. Other wrong answers make the master configure a slave that is not there.
+/// All slaves in configuration state accept the node-ID and the bit rate that follow, so that two devices get the same
+/// node-ID. Other wrong answers make the master configure a slave that does not exist.
 ///
 /// # What to do
-/// Switch all slaves to waiting (04h 00h), then address one alone by the four numbers of its LSS address. Switching all
-/// to configuration (04h 01h) is only for a bus with one slave.
+/// Switch all slaves to waiting (04h 00h), then address a single slave by the four numbers of its LSS address. Switch
+/// all slaves to configuration (04h 01h) only on a bus with one slave.
 #[rule(id = "lss/dialogue", severity = Error, rank = Detail, services = [Lss, Lmt])]
 struct Dialogue {
     request: Option<Seen>,
     answer: Option<Seen>,
 }
 
+/// Whether only a request has this command specifier: switch state, activate bit timing, identify, Fastscan.
+const fn is_request(command: u8) -> bool {
+    matches!(command, 0x04 | 0x15 | 0x40..=0x43 | 0x46..=0x4C | 0x51)
+}
+
 impl Dialogue {
     fn answered(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         let message = context.message();
+        if matches!(message, Message::LssResponse(Response::Unknown { .. })) && is_request(own_command(context)) {
+            let report = Report::at(context.now()).detail(4).evidence(context.evidence());
+            return sink.report(report, || {
+                let command = own_command(context);
+                format!("the request {command:02X}h on 7E4h, the CAN-ID of the slaves: a master sends on 7E5h")
+            });
+        }
         let Some(request) = &self.request else {
             // The request may have preceded the capture.
             if context.now().since(context.scene.start) > Duration::from_secs(1) {

@@ -2,6 +2,7 @@
 
 mod dialogue;
 mod exchange;
+mod left_in_configuration;
 mod not_stored;
 mod refused;
 mod store_wear;

@@ -9,16 +9,15 @@ use canvass_macros::rule;
 
 /// a node-ID or bit rate was changed and not stored
 ///
-/// An LSS or LMT slave has taken a new node-ID or bit rate, and is switched back to waiting, or the capture ends,
-/// without a successful store. Where the master uses Fastscan, this is only worth knowing: such masters assign node-IDs
-/// at every start.
+/// An LSS or LMT slave has accepted a new node-ID or bit rate, and is switched back to waiting, or the capture ends,
+/// without an answered store. The rule lss/refused reports a refused store. If the master uses Fastscan, the severity
+/// is info: such masters assign node-IDs at every start.
 ///
 /// # Why
-/// At the next power-on the device is back at its old node-ID and bit rate, often after the technician has left.
+/// At the next power-on the device has its old node-ID and bit rate again, often after the technician has left.
 ///
 /// # What to do
-/// Send store configuration (17h) before switching back to waiting, unless the master sets the node-ID anew at every
-/// start.
+/// Send store configuration (17h) before switching back to waiting, unless the master sets the node-ID at every start.
 #[rule(id = "lss/not-stored", severity = Warning, rank = Detail, services = [Lss, Lmt])]
 struct NotStored {
     /// The slave's answers to configurations that are not stored yet: node-ID and bit rate.
@@ -58,7 +57,8 @@ impl Rule for NotStored {
                 }
             }
             Some(Sender::Slave) => match configured(message) {
-                Some((ConfigureCommand::Store, 0)) => self.changed = [None, None],
+                // A refusal has a finding of its own.
+                Some((ConfigureCommand::Store, _)) => self.changed = [None, None],
                 Some((setting @ (ConfigureCommand::NodeId | ConfigureCommand::BitTiming), 0)) => {
                     let at = usize::from(setting == ConfigureCommand::BitTiming);
                     self.changed[at] = Some(context.seen());

@@ -6,14 +6,15 @@ use canvass_macros::rule;
 
 /// an LSS or LMT slave refuses a configuration
 ///
-/// The answer to configure node-ID, configure bit timing or store has an error code.
+/// The slave answers configure node-ID, configure bit timing or store configuration with an error code.
 ///
 /// # Why
-/// The slave keeps its old node-ID or bit rate. A master that goes on all the same loses it.
+/// The slave keeps its old node-ID or bit rate. A master that ignores the error code and continues with the new one no
+/// longer reaches the slave.
 ///
 /// # What to do
-/// Code 1 is a node-ID or bit rate that the device does not have, or that it can't store; 2 of a store is a fault of
-/// its memory.
+/// Error code 1 means that the device does not support the node-ID or bit rate, or can't store it. Error code 2 of
+/// store configuration means that its memory is faulty.
 #[rule(id = "lss/refused", severity = Error, rank = Detail, services = [Lss, Lmt])]
 struct Refused {
     request: Option<Seen>,

@@ -6,16 +6,15 @@ use crate::findings::{Context, Scene};
 use crate::wire::layer_setting::ConfigureCommand;
 use canvass_macros::rule;
 
-/// node-IDs and bit rates are stored more often than the memory bears
+/// node-IDs and bit rates are stored more often than the memory endures
 ///
-/// LSS or LMT stores are confirmed so often that the memory of the devices would be worn out within their service life,
-/// if it went on like this.
+/// At the rate of the confirmed LSS or LMT stores, the memory of the devices wears out within their service life.
 ///
 /// # Why
-/// An EEPROM bears some 100 000 writes. A master that assigns and stores node-IDs at every start wears it out.
+/// An EEPROM endures some 100 000 writes. A master that assigns and stores node-IDs at every start wears it out.
 ///
 /// # What to do
-/// Store once, at commissioning; or assign node-IDs at every start and don't store them.
+/// Store once, at commissioning, or assign node-IDs at every start without storing them.
 #[rule(id = "lss/store-wear", severity = Warning, rank = Detail, services = [Lss, Lmt])]
 struct StoreWear {
     /// a lower number of stores is not judged

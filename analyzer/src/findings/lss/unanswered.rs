@@ -7,16 +7,16 @@ use canvass_traces::Duration;
 
 /// an LSS or LMT request gets no answer
 ///
-/// A request that one slave must answer (configure, store, inquire, the last of a switch selective) is followed by
-/// none. Identify and Fastscan are answered only where a slave fits, and LMT is silent when it switches: neither is
-/// reported.
+/// No slave answers a request that a slave must answer (configure, store, inquire, the last request of a switch
+/// selective). Identify and Fastscan are not reported, because only matching slaves answer them; LMT switch requests
+/// are not reported, because they have no answer.
 ///
 /// # Why
-/// No slave is in configuration state, or none has the address that was given. The node-ID or bit rate has not changed.
+/// No slave is in configuration state, or no slave has the given address. The node-ID or bit rate has not changed.
 ///
 /// # What to do
-/// Check the four numbers of the address against the label. LSS works in stopped and pre-operational only with many
-/// devices.
+/// Compare the four numbers of the address with the label. On many devices, LSS works in stopped and pre-operational
+/// only.
 #[rule(id = "lss/unanswered", severity = Warning, rank = Detail, services = [Lss, Lmt])]
 struct Unanswered {
     /// timeout for an answer

@@ -11,18 +11,19 @@ const EFFECTS: &[Effect] = &super::restart::effects(Effect::never_on(&["nodes/bo
 
 /// a node restarts by itself
 ///
-/// A boot-up message of a node that was already running, and that no NMT reset command, LSS service or program control
-/// (1F51h) explains. The first boot-up in a capture is not reported: the node was switched on. Of two boot-ups after
-/// one reset command the second one is. Within ten seconds of a store, a boot-up is taken for the power cycle that
-/// makes stored parameters take effect.
+/// A node that was already running sends a boot-up message, and no NMT reset command, LSS service or program control
+/// (1F51h) explains it. The first boot-up in a capture is not reported, because the node was switched on. If two
+/// boot-ups follow one reset command, the second one is reported, unless the device sends two within half a second at
+/// each of its starts. A boot-up within ten seconds after a store counts as the power cycle that makes stored parameters
+/// take effect.
 ///
 /// # Why
-/// The node has restarted: a dip of its supply, its watchdog, or bus-off recovery. It is in pre-operational with its
-/// stored parameters, and sends no process data until it is started again.
+/// The node has restarted, because of a dip of its supply, its watchdog, or bus-off recovery. It is in pre-operational
+/// with its stored parameters, and sends no process data until it is started again.
 ///
 /// # What to do
-/// See whether several nodes restart together (supply), what the node sent just before (EMCY), and whether it happens
-/// again.
+/// Check whether several nodes restart together (supply), which messages the node sent just before (EMCY), and whether
+/// the restart recurs.
 #[rule(
     id = "nodes/boot-up-without-command",
     severity = Warning,
@@ -48,6 +49,7 @@ pub fn is_explained(context: &Context<'_>, node: NodeId, facts: &NodeFacts) -> b
         || after_boot_up(context.scene.facts.layer_setting)
         || after_boot_up(facts.last_program_control)
         || after_boot_up(facts.last_store)
+        || facts.repeats_boot_up(context.now())
 }
 
 impl Rule for BootUpWithoutCommand {

@@ -1,7 +1,7 @@
 use crate::findings::effect::Effect;
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Seen, Severity};
+use crate::findings::{Context, Scene, Seen, Severity};
 use crate::message::{Message, Service};
 use crate::wire::error_control::State;
 use crate::wire::nmt::Command;
@@ -16,18 +16,20 @@ const EFFECTS: &[Effect] =
 
 /// a node does not reach the commanded NMT state
 ///
-/// After an NMT command, and time to obey it, heartbeats or guarding answers of the node still show another state: two
-/// of them, so that one that was already queued does not count. A reset is not obeyed either where no boot-up follows
-/// and the heartbeat goes on in the same state and without a pause, each at its time. All commands that a node does not
-/// obey are one finding. The NMT master does not hear its own commands: a node that stays operational although all are
-/// told otherwise is only worth knowing as long as no command has named it, it has not obeyed one to stop, has answered
-/// no SDO client, and sends neither TPDOs nor EMCY.
+/// Two heartbeats or guarding answers of the node show another NMT state than a command demands, until the time to
+/// execute it is over, the next command comes or the capture ends; a single one may have been queued before the
+/// command. A state that is reached later than usual is not reported, because no standard limits the time. A reset also
+/// counts as not obeyed if no boot-up follows and the heartbeats continue in the same state, each at its regular time.
+/// All commands that a node does not obey are one finding. The NMT master does not receive its own commands. A node may
+/// be the master if it stays in its state after a command to all nodes, no command has named it, it has obeyed no
+/// command to leave operational, has answered no SDO client, and sends neither TPDOs nor EMCY: the severity is then
+/// info. If it is the only such node, and other nodes obey, it is the master, and is not reported.
 ///
 /// # Why
-/// The master believes that the node is in another state than it is: it sends no process data, or goes on sending them.
+/// The node is not in the state that the master assumes: it sends no process data, or continues to send them.
 ///
 /// # What to do
-/// See whether the node reports an EMCY: devices refuse to start while an error is present. Check that the command
+/// Check whether the node reports an EMCY: devices refuse to start while an error is present. Check that the command
 /// really names this node.
 #[rule(
     id = "nodes/command-not-obeyed",
@@ -37,9 +39,12 @@ const EFFECTS: &[Effect] =
     leads_to = EFFECTS
 )]
 struct CommandNotObeyed {
-    /// time to reach the commanded state
-    #[threshold(ms = 100)]
+    /// time to reach the commanded state, if another command follows or the capture ends
+    #[threshold(ms = 500)]
     settle: Duration,
+    /// time to reach the commanded state
+    #[threshold(ms = 5000)]
+    patience: Duration,
     /// time to begin a reset
     #[threshold(ms = 2000)]
     reset: Duration,
@@ -51,17 +56,30 @@ struct Watched {
     pending: Option<Pending>,
     /// Whether the node has obeyed a command to leave operational or to reset.
     obedient: bool,
+    /// Whether the node has obeyed a command to all nodes.
+    obeyed_all: bool,
     /// The last heartbeat, with its state.
     beat: Option<(Timestamp, State)>,
     disobeyed: Disobeyed,
+    /// The reports about a node that may be the master, until the end shows whether it is.
+    doubtful: Vec<Doubt>,
+}
+
+/// A command that a node that may be the master did not obey.
+struct Doubt {
+    command: Rc<Seen>,
+    against: Seen,
+    times: u64,
+    words: String,
 }
 
 struct Pending {
     /// The command, shared by all nodes that it names.
     command: Rc<Seen>,
     expected: State,
-    /// Number of messages with a state other than `expected`.
+    /// Number of messages with a state other than `expected`, and the latest of them.
     against: u8,
+    latest: Option<(Seen, State)>,
     /// The last heartbeat before the command, and the number of heartbeats at their regular times after it.
     before: Option<(Timestamp, State)>,
     on_time: u64,
@@ -117,8 +135,15 @@ impl Disobeyed {
 }
 
 impl Pending {
+    /// Messages within this time after a command may have been queued before it.
+    const QUEUED: Duration = Duration::from_millis(100);
     /// No device restarts faster than this.
     const RESTART: Duration = Duration::from_millis(5);
+
+    /// Whether the command names all nodes.
+    fn is_to_all(&self) -> bool {
+        self.command.decoded.node.is_none()
+    }
 
     /// Whether a heartbeat comes exactly as it would have come without the reset: then the node has not restarted. If
     /// the reset coincides with a heartbeat, a restarted timer is late by the duration of the restart.
@@ -143,25 +168,29 @@ impl Pending {
 }
 
 impl CommandNotObeyed {
-    fn commanded(&mut self, command: Command, node: u8, context: &Context<'_>) {
-        let expected = match command {
-            Command::START => State::OPERATIONAL,
-            Command::STOP => State::STOPPED,
-            Command::ENTER_PRE_OPERATIONAL => State::PRE_OPERATIONAL,
-            Command::RESET_NODE | Command::RESET_COMMUNICATION => State::BOOT_UP,
-            _ => return,
-        };
+    /// Maximum number of commands that are kept of a node that may be the master.
+    const DOUBTS: usize = 32;
+
+    fn commanded(&mut self, command: Command, node: u8, context: &Context<'_>, sink: &mut Sink<'_>) {
+        let Some(expected) = command.state() else { return };
         let command = Rc::new(context.seen());
-        for (_, watched) in self.nodes.named_mut(node) {
+        let settle = self.settle;
+        for (id, watched) in self.nodes.named_mut(node) {
             // A repeated command gives no new time: the node has had its time since the first one.
             let waits = watched.pending.as_ref().is_some_and(|pending| pending.expected == expected);
-            // An unseen node may just have been switched on.
-            if expected == State::BOOT_UP && watched.beat.is_none() {
-                watched.pending = None;
-            } else if !waits || expected == State::BOOT_UP {
-                let (command, before) = (Rc::clone(&command), watched.beat);
-                watched.pending = Some(Pending { command, expected, against: 0, before, on_time: 0 });
+            if waits && expected != State::BOOT_UP {
+                continue;
             }
+            watched.give_up(id, settle, context.scene, sink);
+            // An unseen node may just have been switched on.
+            watched.pending = (expected != State::BOOT_UP || watched.beat.is_some()).then(|| Pending {
+                command: Rc::clone(&command),
+                expected,
+                against: 0,
+                latest: None,
+                before: watched.beat,
+                on_time: 0,
+            });
         }
     }
 
@@ -177,48 +206,75 @@ impl CommandNotObeyed {
             || context.decoded.service == Service::BootUp
             || is_reset && state == State::PRE_OPERATIONAL && !goes_on
         {
+            let before = pending.before.is_none_or(|(_, before)| before != state);
+            watched.obeyed_all |= pending.is_to_all() && before;
             watched.obedient |= pending.expected != State::OPERATIONAL;
             watched.pending = None;
             return;
         }
-        let settle = if is_reset { self.reset } else { self.settle };
+        let (settle, limit) = if is_reset { (self.reset, self.reset) } else { (Pending::QUEUED, self.patience) };
         let waited = context.now().since(pending.command.time());
         if waited <= settle && !(goes_on && pending.on_time > 1) {
             return;
         }
-        pending.against += 1;
+        pending.against = pending.against.saturating_add(1);
+        pending.latest = Some((context.seen(), state));
         let needed = if is_reset && state == State::PRE_OPERATIONAL { pending.on_time } else { pending.against.into() };
-        if needed >= 2 && waited > settle {
-            self.tell(node, state, context, sink);
+        if needed >= 2 && waited > limit {
+            watched.tell(node, context.scene, sink);
         }
     }
+}
 
-    fn tell(&mut self, node: NodeId, state: State, context: &Context<'_>, sink: &mut Sink<'_>) {
-        let watched = &mut self.nodes[node];
-        let Some(pending) = watched.pending.take() else { return };
-        let is_slave = watched.obedient || context.scene.facts.node(node).is_slave;
+impl Watched {
+    /// Judges a command that is not pending any more, as another one follows or the capture ends.
+    fn give_up(&mut self, node: NodeId, settle: Duration, scene: &Scene<'_>, sink: &mut Sink<'_>) {
+        let Some(pending) = &self.pending else { return };
+        let late = |latest: &(Seen, State)| latest.0.time().since(pending.command.time()) > settle;
+        let is_late = pending.latest.as_ref().is_some_and(late);
+        if pending.expected != State::BOOT_UP && pending.against >= 2 && is_late {
+            self.tell(node, scene, sink);
+        }
+        self.pending = None;
+    }
+
+    fn tell(&mut self, node: NodeId, scene: &Scene<'_>, sink: &mut Sink<'_>) {
+        let Some(pending) = self.pending.take() else { return };
+        let Some((against, state)) = pending.latest else { return };
+        let is_slave = self.obedient || scene.facts.node(node).is_slave;
         if !is_slave && state != State::OPERATIONAL && pending.expected == State::BOOT_UP {
             return;
         }
-        let is_master = !is_slave && state == State::OPERATIONAL;
+        let is_master = !is_slave && (state == State::OPERATIONAL || pending.expected == State::STOPPED);
         let at = pending.command.time();
-        let waited = context.now().since(at);
-        let master = if is_master { "; correct if this is the NMT master itself" } else { "" };
+        let waited = against.time().since(at);
         let words = match pending.expected {
-            State::BOOT_UP => format!("{state} {waited} after the command to reset it, and no boot-up{master}"),
-            expected => format!("{state} {waited} after the command to be {expected}{master}"),
+            State::BOOT_UP => format!("{state} {waited} after the command to reset it, and no boot-up"),
+            expected => format!("{state} {waited} after the command to be {expected}"),
         };
-        let words = watched.disobeyed.add(pending.expected, at.since(context.scene.start), words);
-        let report = Report::at(at).until(context.now()).node(node).measure(watched.disobeyed.times);
-        let report = if is_master { report.severity(Severity::Info) } else { report };
-        sink.report(report.evidence(pending.command.evidence()).evidence(context.evidence()), || words);
+        let words = if is_master { format!("{words}; correct if this is the NMT master itself") } else { words };
+        let words = self.disobeyed.add(pending.expected, at.since(scene.start), words);
+        let told = Doubt { command: pending.command, against, times: self.disobeyed.times, words };
+        if !is_master {
+            told.report(node, None, sink);
+        } else if self.doubtful.len() < CommandNotObeyed::DOUBTS {
+            self.doubtful.push(told);
+        }
+    }
+}
+
+impl Doubt {
+    fn report(self, node: NodeId, severity: Option<Severity>, sink: &mut Sink<'_>) {
+        let report = Report::at(self.command.time()).until(self.against.time()).node(node).measure(self.times);
+        let report = severity.map_or(report, |severity| report.severity(severity));
+        sink.report(report.evidence(self.command.evidence()).evidence(self.against.evidence()), || self.words);
     }
 }
 
 impl Rule for CommandNotObeyed {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         if let Message::Nmt(nmt) = context.message() {
-            return self.commanded(nmt.command, nmt.node, context);
+            return self.commanded(nmt.command, nmt.node, context, sink);
         }
         let Some(node) = context.node() else { return };
         let state = match context.message() {
@@ -233,6 +289,24 @@ impl Rule for CommandNotObeyed {
     fn interrupted(&mut self) {
         for watched in self.nodes.values_mut() {
             (watched.pending, watched.beat) = (None, None);
+        }
+    }
+
+    fn finish(&mut self, scene: &Scene<'_>, sink: &mut Sink<'_>) {
+        for (node, watched) in self.nodes.iter_mut() {
+            watched.give_up(node, self.settle, scene, sink);
+        }
+        // The only node that does not hear what others obey is the master.
+        let is_doubtful = |watched: &Watched| !watched.doubtful.is_empty();
+        let doubtful = self.nodes.iter().filter(|(_, watched)| is_doubtful(watched)).count();
+        let others_obey = self.nodes.iter().any(|(_, watched)| watched.obeyed_all && !is_doubtful(watched));
+        if doubtful == 1 && others_obey {
+            return;
+        }
+        for (node, watched) in self.nodes.iter_mut() {
+            for doubt in watched.doubtful.drain(..) {
+                doubt.report(node, Some(Severity::Info), sink);
+            }
         }
     }
 }

@@ -16,16 +16,16 @@ const EFFECTS: &[Effect] = &[
 
 /// a heartbeat consumer time is missed
 ///
-/// The capture, or the device configuration that was given for it, shows that a node consumes the heartbeat of
-/// another (1016h), and that heartbeat stays away for longer than the consumer time, or does not come back.
-/// Monitoring begins with the first heartbeat. Silence because of a reset or boot-up is not reported.
+/// The capture, or the device configuration that was given for it, shows that a node consumes the heartbeat of another
+/// node (1016h), and that heartbeat is absent for longer than the consumer time, or does not return. Monitoring begins
+/// with the first heartbeat. Silence because of a reset or boot-up is not reported.
 ///
 /// # Why
-/// The consumer sees a heartbeat event: it sends EMCY 8130h and, unless 1029h says otherwise, leaves operational.
+/// The consumer detects a heartbeat event: it sends EMCY 8130h and leaves operational, unless 1029h demands otherwise.
 ///
 /// # What to do
-/// The consumer time should be at least one and a half times the producer time. If it is, find out why the producer was
-/// silent.
+/// Set the consumer time to at least one and a half times the producer time. If it is that long, find out why the
+/// producer was silent.
 #[rule(
     id = "nodes/consumer-time",
     severity = Error,

@@ -7,15 +7,15 @@ use canvass_macros::rule;
 
 /// the toggle bit of guarding does not alternate
 ///
-/// Two guarding answers in a row, each to a request of its own, have the same toggle bit, without a reset between them.
+/// Two consecutive guarding answers, each to its own request, have the same toggle bit, without a reset between them.
 ///
 /// # Why
-/// The master takes the answer for an old one and may declare the node lost. Usually a CAN controller answers by itself
-/// from a buffer that the firmware has not renewed.
+/// The master treats the answer as an old one and may declare the node lost. Usually a CAN controller answers by itself
+/// from a buffer that the firmware has not updated.
 ///
 /// # What to do
-/// A fault of the device, unless two masters guard the same node: then each sees every other answer.
-#[rule(id = "nodes/guarding-toggle", severity = Error, rank = Detail, services = [Guarding, BootUp, Nmt])]
+/// The device is faulty, unless two masters guard the same node: then each master evaluates only every second answer.
+#[rule(id = "nodes/guarding-toggle", severity = Error, rank = State, services = [Guarding, BootUp, Nmt])]
 struct GuardingToggle {
     nodes: PerNode<Option<bool>>,
     asked: PerNode<bool>,

@@ -8,11 +8,12 @@ use canvass_traces::Duration;
 
 /// a guarding request gets no answer
 ///
-/// A remote frame asks for a node's state, and no answer comes in time. The seconds after a store, in which some
-/// devices are silent, and those after a reset are not counted.
+/// A node does not answer a guarding request (remote frame) in time. The seconds after a store, in which some devices
+/// are silent, and the seconds after a reset are not counted.
 ///
 /// # Why
-/// The master declares the node lost. If remote frames do not get through, the node in turn sees a life guarding event.
+/// The master declares the node lost. If remote frames do not reach the node, the node in turn detects a life guarding
+/// event.
 ///
 /// # What to do
 /// A node that sends other messages may not support guarding (100Ch, 100Dh): use heartbeat.

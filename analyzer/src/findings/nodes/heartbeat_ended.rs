@@ -11,14 +11,14 @@ const EFFECTS: &[Effect] = &[Effect::on(&["nodes/consumer-time"]).of_origin()];
 
 /// a node's heartbeat ends and does not come back
 ///
-/// The capture goes on for several periods after the last heartbeat of a node, without a reset command, and with other
-/// nodes still sending.
+/// The capture continues for several periods after the last heartbeat of a node, without a reset command, and with
+/// other nodes still sending.
 ///
 /// # Why
-/// The node was switched off, has lost the bus, or hangs.
+/// The node was switched off, was disconnected from the bus, or hangs.
 ///
 /// # What to do
-/// Look at the last frames of the node, at error frames around that time, and at its supply.
+/// Check the last frames of the node, error frames around that time, and the supply of the node.
 #[rule(id = "nodes/heartbeat-ended", severity = Error, rank = Loss, services = [Heartbeat], leads_to = EFFECTS)]
 struct HeartbeatEnded {
     /// least number of missing heartbeats at the end

@@ -8,15 +8,15 @@ use canvass_traces::Duration;
 
 /// heartbeats are irregular
 ///
-/// More than a share of a node's heartbeats come earlier or later than their period allows. Missing ones are not
-/// counted.
+/// More than the given share of a node's heartbeats come earlier or later than their period allows. Missing heartbeats
+/// are not counted.
 ///
 /// # Why
-/// The node's firmware does not keep its own times. The same task often sends cyclic PDOs too.
+/// The node's firmware does not keep its period. The same task often sends cyclic PDOs as well.
 ///
 /// # What to do
-/// Compare with other nodes: if all are irregular, the recorder or the bus load is the reason. If a single one is, its
-/// firmware is.
+/// Compare with other nodes: if all are irregular, the cause is the recorder or the bus load. If a single node is
+/// irregular, the cause is its firmware.
 #[rule(id = "nodes/heartbeat-jitter", severity = Warning, rank = Detail, services = [Heartbeat])]
 struct HeartbeatJitter {
     /// deviation from the period, in percent, that counts

@@ -6,16 +6,17 @@ use canvass_traces::Duration;
 
 /// a heartbeat comes late
 ///
-/// A heartbeat comes later than its period and half of it, but none was left out. The period is that of 1017h where the
-/// capture shows it, else the one that the node has kept before. Pauses around NMT commands, resets and stores are not
-/// counted.
+/// A heartbeat comes later than one and a half of its period, but no heartbeat is missing. The period is the value of
+/// 1017h if the capture shows it, otherwise the period that the node has kept before. Pauses around NMT commands,
+/// resets and stores are not counted.
 ///
 /// # Why
 /// A consumer that waits for one and a half or two periods is about to declare the node lost. The node, or the bus, is
 /// too busy to send in time.
 ///
 /// # What to do
-/// Look at the bus load at that time, and at what the node was doing. If a heartbeat time is below 20 ms, lengthen it.
+/// Check the bus load at that time, and the other messages of the node. If a heartbeat time is below 20 ms, lengthen
+/// it.
 #[rule(id = "nodes/heartbeat-late", severity = Warning, rank = Detail, services = [Heartbeat])]
 struct HeartbeatLate {
     /// an interval beyond this share of the period is late

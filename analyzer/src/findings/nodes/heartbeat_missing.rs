@@ -12,16 +12,16 @@ const EFFECTS: &[Effect] = &[
 
 /// heartbeats are missing
 ///
-/// The next heartbeat comes so late that at least one was left out. The period is that of 1017h where the capture shows
-/// it, else the one that the node has kept before. Pauses around NMT commands, resets and stores are not counted, nor
-/// those in which all nodes are silent.
+/// The time between two heartbeats is so long that at least one heartbeat is missing. The period is the value of 1017h
+/// if the capture shows it, otherwise the period that the node has kept before. Pauses around NMT commands, resets and
+/// stores are not counted, and neither are pauses of all nodes together.
 ///
 /// # Why
 /// Consumers declare the node lost and react, often by stopping the machine.
 ///
 /// # What to do
-/// See what else the node sent in the meantime: if nothing, it was cut off or hung; if everything else came, its
-/// heartbeat task is starved. Look for a boot-up shortly after.
+/// Check the other messages of the node in the meantime: if there are none, the node was disconnected or hung; if all
+/// others came, its heartbeat task is starved. Look for a boot-up shortly after.
 #[rule(id = "nodes/heartbeat-missing", severity = Error, rank = State, services = [Heartbeat], leads_to = EFFECTS)]
 struct HeartbeatMissing {
     /// beyond this share of the period a heartbeat counts as missing

@@ -16,15 +16,15 @@ const EFFECTS: &[Effect] = &[
 
 /// a guarded node is not asked for its state in time
 ///
-/// The capture, or what the description says of objects that can't be written, shows the life time of a node (100Ch
-/// times 100Dh), the master has begun to guard it, and then asks it for its state too late or not at all, although
-/// other frames go on. Monitoring begins with the first request and ends with a reset.
+/// The master has begun to guard a node and then sends the next guarding request too late or not at all, although other
+/// frames continue. The rule needs the life time of the node (100Ch multiplied by 100Dh), from the capture or from
+/// read-only objects of the description. Monitoring begins with the first request and ends with a reset.
 ///
 /// # Why
-/// The node sees a life guarding event: it sends EMCY 8130h (or 1000h), and many leave operational.
+/// The node detects a life guarding event: it sends EMCY 8130h (or 1000h), and many devices leave operational.
 ///
 /// # What to do
-/// See whether the master was stopped or guards at a time that is longer than the node's life time; 100Ch and 100Dh
+/// Check whether the master was stopped, or guards with a period longer than the life time of the node; 100Ch and 100Dh
 /// must fit the master's guarding. A master that uses heartbeat instead should set 100Ch to 0.
 #[rule(
     id = "nodes/life-guarding",

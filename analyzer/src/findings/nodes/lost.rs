@@ -11,7 +11,7 @@ use canvass_traces::{Duration, Timestamp};
 
 /// Effects: nodes that miss the lost node, and its own messages before and after.
 const EFFECTS: &[Effect] = &[
-    Effect::never_on(&["nodes/lost", "bus/load", "bus/duplicate-node-id"]),
+    Effect::never_on(&["nodes/lost", "bus/load", "bus/duplicate-node-id", "lss/left-in-configuration"]),
     Effect::on(&["nodes/consumer-time"]).of_origin().during(SOON, SOON),
     Effect::on(&["pdo/sync-missing"]).during(SOON, Duration::ZERO),
     Effect::on(&["capture/error-frames", "capture/error-passive"]).during(SETTLE, SETTLE),
@@ -25,20 +25,20 @@ const EFFECTS: &[Effect] = &[
 
 /// a node drops out
 ///
-/// A node whose heartbeat has come regularly, or that has answered guarding, sends nothing at all any more, for at
-/// least three of its periods. All times that a node drops out are one finding: since when, for how long, what the
-/// master did about it and how it ended. What the master does in the meantime excuses nothing: a reset explains only
-/// the silence that follows it. Silences in which a node writes its memory, or is configured by LSS, are not counted,
-/// nor those in which all nodes are silent.
+/// A node that has sent regular heartbeats, or has answered guarding, sends no message for at least three of its
+/// periods. All outages of a node are one finding, with their begin, their duration, the reaction of the master and
+/// their end. Actions of the master during an outage do not explain it: a reset explains only the silence after it. The
+/// rule does not count silences in which a node writes its memory or is configured by LSS, or in which all nodes are
+/// silent.
 ///
 /// # Why
-/// Whoever waits for the node, or for its data, stops or works with old values. Everything else that is found of the
-/// node at that time follows from this.
+/// Nodes that wait for this node or its data stop, or work with old values. All other findings of the node at that time
+/// follow from the outage.
 ///
 /// # What to do
-/// A node that comes back with a boot-up had no supply or was reset by its watchdog: measure its supply. One that comes
-/// back without was cut off: look at its connector, and at error frames around that time. If several drop out together,
-/// look at what they share.
+/// A node that returns with a boot-up had no supply or was reset by its watchdog: measure its supply. A node that
+/// returns without a boot-up was disconnected: check its connector, and error frames around that time. If several nodes
+/// drop out together, check what they share.
 #[rule(id = "nodes/lost", severity = Error, rank = Loss, also = Returning, leads_to = EFFECTS)]
 struct Lost {
     nodes: PerNode<Losses>,

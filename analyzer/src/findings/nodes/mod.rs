@@ -9,6 +9,7 @@ mod heartbeat_ended;
 mod heartbeat_jitter;
 mod heartbeat_late;
 mod heartbeat_missing;
+mod left_stopped;
 mod life_guarding;
 mod lost;
 mod no_boot_up;

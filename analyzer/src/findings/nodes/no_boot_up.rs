@@ -22,18 +22,18 @@ fn may_be_silent(device_type: u32) -> bool {
 
 /// a node does not come back after a reset
 ///
-/// A node that was on the bus is reset by an NMT command, and sends nothing more until the capture ends. A node that
-/// sends other messages again but no boot-up is reported only if it has sent one before: old devices, and those of
-/// some profiles, have none. Nor is a device whose profile lets its type (1000h) come up silently, if nobody asks it for
-/// anything after its reset, nor one that comes back with the node-ID that LSS has given it, nor the NMT master, which
-/// does not hear its own commands to all nodes.
+/// A node that was on the bus is reset by an NMT command, and sends no message until the capture ends. A node that
+/// sends other messages again, but no boot-up, is reported only if it has sent a boot-up before, because old devices
+/// and the devices of some profiles send none. The rule does not report a device whose profile allows its device type
+/// (1000h) to start silently, if no request reaches it after the reset; a device that returns with a node-ID that LSS
+/// has assigned; and the NMT master, which does not receive its own commands to all nodes.
 ///
 /// # Why
-/// The node is not available any more: it hangs in initialisation, has changed its node-ID or bit rate, or its boot-up
-/// message never gets through.
+/// The node is no longer available: it hangs in initialisation, has changed its node-ID or bit rate, or can't send its
+/// boot-up message.
 ///
 /// # What to do
-/// Look for a new node-ID on the bus. If there is none, look at the device itself.
+/// Look for a new node-ID on the bus. If there is none, check the device itself.
 #[rule(id = "nodes/no-boot-up", severity = Error, rank = Loss, services = [Nmt], leads_to = EFFECTS)]
 struct NoBootUp {
     /// timeout for the boot-up after a reset
@@ -50,6 +50,14 @@ impl NoBootUp {
         let own = self.resets[node].as_deref();
         let last = own.into_iter().chain(&self.reset_of_all).max_by_key(|reset| reset.time());
         last.map(Seen::evidence)
+    }
+}
+
+impl NoBootUp {
+    /// Whether the reset was meant for the node: the NMT master does not hear its own command to all nodes. A node
+    /// whose heartbeat has ended with the command has heard it.
+    fn concerns(&self, node: NodeId, sends_heartbeat: bool, scene: &Scene<'_>) -> bool {
+        self.resets[node].is_some() || sends_heartbeat || scene.facts.node(node).is_slave
     }
 }
 
@@ -81,7 +89,7 @@ impl Rule for NoBootUp {
             if scene.facts.outage(node, scene.now).is_some() {
                 continue;
             }
-            if !is_silent && waited && facts.is_silent_since_reset() {
+            if !is_silent && waited && facts.is_silent_since_reset() && self.concerns(node, period.is_some(), scene) {
                 sink.report(Report::at(reset).node(node).evidence(self.reset_of(node)), || {
                     format!("nothing more was received in the {} after its reset", scene.now.since(reset))
                 });

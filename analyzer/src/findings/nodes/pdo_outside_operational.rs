@@ -10,16 +10,16 @@ use canvass_traces::{Duration, Timestamp};
 
 /// a node sends PDOs although it is not operational
 ///
-/// A TPDO of a node that was commanded to stop or to pre-operational, or whose heartbeats before and after it show
-/// another state than operational. A node that may start by itself after its boot-up is given the benefit of the doubt
-/// until a heartbeat shows its state.
+/// A node sends a TPDO after a command to stop or to enter pre-operational, or between two heartbeats that show another
+/// state than operational. After its boot-up a node may start by itself: it is not reported until a heartbeat shows its
+/// state.
 ///
 /// # Why
-/// PDOs exist in operational only (CiA 301). Values sent in other states may not be valid, and consumers take them for
-/// good.
+/// PDOs exist in operational only (CiA 301). Values that are sent in other states may be invalid, but consumers use
+/// them.
 ///
 /// # What to do
-/// If the node was stopped by an NMT command, it did not obey: see its heartbeats. Else it is a fault of its firmware,
+/// If an NMT command stopped the node, the node did not obey: check its heartbeats. Otherwise its firmware is faulty,
 /// or another node sends with the same CAN-ID.
 #[rule(
     id = "nodes/pdo-outside-operational",

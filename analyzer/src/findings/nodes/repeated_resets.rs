@@ -18,15 +18,15 @@ const EFFECTS: &[Effect] = &super::restart::effects(Effect::on(&["nodes/boot-up-
 
 /// a node restarts again and again
 ///
-/// Several boot-ups of one node within a short time that no command explains.
+/// A node sends several boot-ups within a short time that no command explains.
 ///
 /// # Why
-/// The node never gets to work. Its supply collapses under load, its watchdog fires, or it can't send on the bus and
+/// The node never starts to work. Its supply collapses under load, its watchdog fires, or it can't send on the bus and
 /// restarts its controller.
 ///
 /// # What to do
-/// Measure its supply at the device while it starts. If that is good, compare bit rate and termination, and look for a
-/// second device with the same node-ID.
+/// Measure the supply at the device while it starts. If the supply is good, check bit rate and termination, and look
+/// for a second device with the same node-ID.
 #[rule(id = "nodes/repeated-resets", severity = Error, rank = Restart, services = [BootUp], leads_to = EFFECTS)]
 struct RepeatedResets {
     /// least number of boot-ups
@@ -43,6 +43,9 @@ impl Rule for RepeatedResets {
         let Some(node) = context.node() else { return };
         let restarts = &mut self.nodes[node];
         if context.scene.facts.node(node).last_seen.is_none() || !context.scene.has_times() {
+            return;
+        }
+        if context.scene.facts.node(node).repeats_boot_up(context.now()) {
             return;
         }
         if is_explained(context, node, context.scene.facts.node(node)) {

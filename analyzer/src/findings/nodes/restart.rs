@@ -6,7 +6,7 @@ use crate::findings::effect::{Effect, MONITORING, SETTLE, SOON};
 pub const fn effects(on_restarts: Effect) -> [Effect; 7] {
     [
         on_restarts,
-        Effect::never_on(&["nodes/lost", "bus/load", "bus/duplicate-node-id"]),
+        Effect::never_on(&["nodes/lost", "bus/load", "bus/duplicate-node-id", "lss/left-in-configuration"]),
         Effect::on(&["nodes/consumer-time"]).of_origin().spanning(SETTLE),
         Effect::on(&["pdo/sync-missing"]).during(SOON, SOON),
         Effect::on(&["emcy/raised"]).of_same_node().spanning(SOON),

@@ -9,14 +9,13 @@ use canvass_traces::Duration;
 
 /// a stopped node answers SDO requests
 ///
-/// An SDO server answers although its node was stopped by an NMT command, more than the grace time ago.
+/// An SDO server still answers when the grace time after the NMT command that stopped its node is over.
 ///
 /// # Why
-/// A stopped node knows only NMT and error control (CiA 301). A device that answers all the same may not have stopped
-/// at all.
+/// A stopped node supports only NMT and error control (CiA 301). A device that answers may not have stopped at all.
 ///
 /// # What to do
-/// See in its heartbeats whether it has stopped. If it has, it is a fault of the device's firmware.
+/// Check in its heartbeats whether the node has stopped. If it has, the device's firmware is faulty.
 #[rule(id = "nodes/sdo-in-stopped", severity = Warning, rank = Detail, services = [Sdo])]
 struct SdoInStopped {
     /// grace time for transfers under way

@@ -6,17 +6,18 @@ use crate::{NodeId, PerNode};
 use canvass_macros::rule;
 use canvass_traces::{Duration, Timestamp};
 
-/// a PDO comes again before its inhibit time is over
+/// a PDO is sent again within its inhibit time
 ///
-/// The SDO traffic of the capture shows an inhibit time (180xh:3) of a TPDO, and two of these PDOs follow each other
-/// faster.
+/// The SDO traffic of the capture shows the inhibit time (180xh:3) of a TPDO, and two transmissions of this TPDO follow
+/// each other faster.
 ///
 /// # Why
-/// The inhibit time keeps the bus free for others. A device that ignores it can fill the bus when its value moves.
+/// The inhibit time keeps the bus free for other nodes. A device that ignores it can fill the bus when its value
+/// changes.
 ///
 /// # What to do
-/// Check that the inhibit time was written while the PDO was switched off, as some devices take it only then. If it
-/// was, it is a fault of the device's firmware.
+/// Check that the inhibit time was written while the PDO was switched off, because some devices accept it only then. If
+/// it was, the device's firmware is faulty.
 #[rule(id = "pdo/inhibit-time", severity = Error, rank = Detail, services = [Nmt], also = KnownTpdos)]
 struct InhibitTime {
     /// an interval below this share of the inhibit time is reported

@@ -10,17 +10,18 @@ use canvass_traces::{Duration, Timestamp};
 
 /// a cyclic PDO is irregular
 ///
-/// The SDO traffic of the capture shows an event timer (180xh:5, or the timer of its device profile) of an event-driven TPDO, and
-/// more than a share of the intervals are longer than it by more than its jitter may be. Shorter intervals are no
-/// jitter, as an event may send the PDO before its timer does; what is so late that pdo/period reports it is not
+/// The SDO traffic of the capture shows an event timer (180xh:5, or the timer of its device profile) of an event-driven
+/// TPDO, and more than the given share of the intervals exceed it by more than the allowed jitter. Shorter intervals
+/// are no jitter, because an event may send the PDO before its timer does. Delays that pdo/period reports are not
 /// counted.
 ///
 /// # Why
-/// Controllers that take the cycle for granted calculate wrong speeds, and cascaded loops become unsteady.
+/// Controllers that rely on the cycle calculate wrong speeds, and cascaded control loops become unsteady.
 ///
 /// # What to do
-/// Compare with other nodes: if all their PDOs are irregular, bus load or the recorder is the reason. If one node's
-/// are, its firmware keeps its cycle badly, or its cycle is shorter than what it can do at this bit rate.
+/// Compare with other nodes: if all their PDOs are irregular, the cause is the bus load or the recorder. If the PDOs of
+/// a single node are irregular, its firmware keeps the cycle badly, or the cycle is too short for the device at this
+/// bit rate.
 #[rule(id = "pdo/jitter", severity = Warning, rank = Detail, services = [Nmt], also = KnownTpdos)]
 struct Jitter {
     /// excess over the event timer, in percent, that counts

@@ -13,20 +13,20 @@ const OF_LENGTH: &[u64] = &[0x8210, 0x8220, 0x8240, 0x8250];
 /// Effects: error messages of the receiver.
 const EFFECTS: &[Effect] = &[Effect::on(&["emcy/raised"]).with_codes(OF_LENGTH).spanning(SOON)];
 
-/// a PDO is not as long as its mapping says
+/// the length of a PDO differs from its mapping
 ///
-/// The mapping, as the SDO traffic or the device description shows it, fills more or fewer bytes than the PDO has. A
-/// received PDO may be longer than the mapping of the node that receives it, and some devices fill a TPDO up to 8 bytes
-/// with zeros: one that has always been so is not reported. Where only the description tells the mapping and the PDO
-/// never fits it, another mapping was set before the capture began: this is only worth knowing.
+/// The mapping in the SDO traffic or the device description has more or fewer bytes than the PDO. A received PDO may be
+/// longer than the mapping of the receiving node. Some devices pad a TPDO to 8 bytes with zeros: a TPDO that is always
+/// padded is not reported. If only the description shows the mapping, and the PDO never fits it, another mapping was
+/// set before the capture began: the severity is then info.
 ///
 /// # Why
-/// A consumer that checks the length drops the PDO and sends EMCY 8210h; one that does not takes other values for its
-/// own.
+/// A consumer that checks the length discards the PDO and sends EMCY 8210h. A consumer that does not check it uses the
+/// wrong values.
 ///
 /// # What to do
-/// Read 1A00h (or 1600h) of the node and compare it with what the other side expects. If the mapping was changed before
-/// the capture began, the description's default is not in force.
+/// Read 1A00h (or 1600h) of the node and compare it with the mapping that the other side expects. If the mapping was
+/// changed before the capture began, the description's default does not apply.
 #[rule(id = "pdo/length", severity = Error, rank = DeviceError, services = [Pdo], leads_to = EFFECTS)]
 struct Length {
     /// By node, a bit for each PDO that once had the length of its mapping.

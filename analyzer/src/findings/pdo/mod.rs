@@ -1,8 +1,10 @@
 //! Rules about PDOs, SYNC and TIME.
 
+mod ended;
 mod inhibit_time;
 mod jitter;
 mod length;
+mod length_changed;
 mod period;
 mod sync_counter;
 mod sync_jitter;

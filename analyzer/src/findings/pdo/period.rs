@@ -9,17 +9,18 @@ use crate::{NodeId, PerNode};
 use canvass_macros::rule;
 use canvass_traces::{Duration, Timestamp};
 
-/// a cyclic PDO comes later than its event timer says
+/// a cyclic PDO comes later than its event timer demands
 ///
-/// The SDO traffic of the capture shows an event timer (180xh:5) of an event-driven TPDO, and in operational two of
-/// these PDOs are further apart. NMT commands, resets and changes of the parameters begin anew.
+/// The SDO traffic of the capture shows the event timer (180xh:5) of an event-driven TPDO, and the time between two
+/// transmissions of it in operational is longer. The measurement starts again after NMT commands, resets and changes of
+/// the parameters.
 ///
 /// # Why
-/// The consumer works with old values; one that monitors the PDO (RPDO event timer) sees an error.
+/// The consumer works with old values. A consumer that monitors the PDO (RPDO event timer) detects an error.
 ///
 /// # What to do
-/// Look at the bus load and at how high the PDO's CAN-ID is. If the bus is not full, the device does not keep its own
-/// cycle.
+/// Check the bus load and the priority of the PDO (a high CAN-ID is a low priority). If the bus is not full, the device
+/// does not keep its cycle.
 #[rule(
     id = "pdo/period",
     severity = Warning,

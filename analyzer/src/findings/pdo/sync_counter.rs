@@ -7,16 +7,15 @@ use canvass_traces::{Duration, Timestamp};
 
 /// the SYNC counter does not count
 ///
-/// The counter in SYNC is not one more than before, and not 1 after the value at which it has gone back to 1 before
-/// (1019h); or it is outside 1 to 240, or missing in some SYNC messages. After an NMT command or a pause it may begin
-/// anew.
+/// The counter in SYNC does not increase by one, and does not return to 1 after the same value as before (1019h); or it
+/// is outside 1 to 240, or missing in some SYNC messages. The counter may restart after an NMT command or a pause.
 ///
 /// # Why
 /// PDOs with a SYNC start value are sent in the wrong cycle. A jump means a lost SYNC or a second producer.
 ///
 /// # What to do
-/// See whether intervals around the jump are regular: if so, the producer miscounts; if one is double, a SYNC was lost;
-/// if they are short, there are two producers.
+/// Check the intervals around the jump: if they are regular, the producer miscounts; if one of them is doubled, a SYNC
+/// was lost; if they are short, there are two producers.
 #[rule(id = "pdo/sync-counter", severity = Error, rank = Detail, services = [Sync, Nmt])]
 struct SyncCounter {
     last: Option<(u8, Timestamp)>,

@@ -8,13 +8,14 @@ use canvass_traces::Duration;
 
 /// SYNC is irregular
 ///
-/// More than a share of the SYNC messages come earlier or later than their period allows. Missing ones are not counted.
+/// More than the given share of the SYNC messages come earlier or later than their period allows. Missing SYNC messages
+/// are not counted.
 ///
 /// # Why
-/// Positions that are taken at SYNC are not equally spaced in time: velocities calculated from them are noisy.
+/// Positions that are sampled at SYNC are not equally spaced in time: velocities calculated from them are noisy.
 ///
 /// # What to do
-/// Let the SYNC producer send from a timer of its controller, and not from a task of an operating system.
+/// Send SYNC from a timer of the producer's controller instead of a task of an operating system.
 #[rule(id = "pdo/sync-jitter", severity = Warning, rank = Detail, services = [Sync, Nmt], also = EndedTransfers)]
 struct SyncJitter {
     /// deviation from the period, in percent, that counts

@@ -9,21 +9,23 @@ use canvass_traces::{Duration, Timestamp};
 
 /// Effects: messages that depend on SYNC.
 const EFFECTS: &[Effect] = &[
-    Effect::on(&["pdo/sync-pdo-missing", "pdo/sync-window", "pdo/sync-counter", "pdo/sync-jitter"])
+    Effect::on(&["pdo/sync-pdo-missing", "pdo/sync-window", "pdo/sync-counter", "pdo/sync-jitter", "pdo/ended"])
         .during(SOON, SETTLE),
     Effect::on(&["emcy/raised", "nodes/state-lost"]).during(SOON, SETTLE),
 ];
 
 /// a SYNC message is missing
 ///
-/// SYNC has kept a period, and then at least one was left out, or it does not come back until the capture ends. Pauses around NMT commands are not counted, as masters
-/// stop SYNC for a restart, nor is what follows when 1005h or 1006h is written.
+/// SYNC has kept a period, at least one SYNC message is missing, and the period continues after the gap; or SYNC does
+/// not return until the capture ends. Intervals that stay longer are not reported: the period has changed, or the first
+/// SYNC messages came from a queue. The rule does not count pauses around NMT commands, because masters stop SYNC for a
+/// restart, and pauses after a write of 1005h or 1006h.
 ///
 /// # Why
-/// Synchronous PDOs are not sent and outputs are not updated in that cycle; drives in interpolated modes stop.
+/// In that cycle synchronous PDOs are not sent and outputs are not updated; drives in interpolated modes stop.
 ///
 /// # What to do
-/// Look at what the SYNC producer was doing, and at the bus load: SYNC has a high priority, so that a full bus alone
+/// Check the other messages of the SYNC producer, and the bus load: SYNC has a high priority, so that a full bus alone
 /// does not delay it.
 #[rule(
     id = "pdo/sync-missing",
@@ -40,6 +42,102 @@ struct SyncMissing {
     rhythm: Rhythm,
     /// Time and CAN-ID of the last SYNC, as long as more are expected.
     last: Option<(Timestamp, u16)>,
+    gaps: Gaps,
+}
+
+/// Intervals in which SYNC may be missing, until the following ones show whether the period goes on.
+#[derive(Default)]
+struct Gaps {
+    open: Vec<Gap>,
+    /// The period before the first gap.
+    period: Duration,
+    /// Weight of the intervals since the first gap that differ from the period.
+    change: u32,
+    /// Number of intervals that had the period since it was learned.
+    kept: u32,
+}
+
+/// An interval in which SYNC may be missing.
+struct Gap {
+    before: Option<Seen>,
+    after: Seen,
+    length: Duration,
+}
+
+/// What an interval shows of the gaps before it.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Shows {
+    /// The period goes on: SYNC was missing.
+    GoesOn,
+    /// Nothing yet.
+    Nothing,
+    /// SYNC has another period now.
+    Changed,
+}
+
+impl Gaps {
+    /// Maximum number of gaps that are kept.
+    const MOST: usize = 8;
+    /// The weight of a longer interval. A producer that catches up sends many shorter ones, which weigh 1.
+    const LONGER: u32 = 8;
+    /// The weight of intervals that shows a new period.
+    const CHANGED: u32 = 4 * Self::LONGER;
+    /// Number of intervals after which a period that has not gone on yet is believed at the end of the capture.
+    const BELIEVED: u32 = 10;
+
+    fn judge(&mut self, length: Duration) -> Shows {
+        let period = self.period.nanos();
+        if length.nanos().abs_diff(period) <= (period / 4).max(500_000) {
+            return Shows::GoesOn;
+        }
+        self.change += if length > self.period { Self::LONGER } else { 1 };
+        if self.change < Self::CHANGED { Shows::Nothing } else { Shows::Changed }
+    }
+
+    fn tell(&mut self, sink: &mut Sink<'_>) {
+        let period = self.period;
+        for Gap { before, after, length } in self.open.drain(..) {
+            let begin = before.as_ref().map_or(after.time(), Seen::time);
+            let report = Report::at(begin).until(after.time()).measure(length.nanos());
+            let report = report.evidence(before.as_ref().map(Seen::evidence)).evidence(after.evidence());
+            sink.report(report, || format!("no SYNC for {length}, but its period is {period}"));
+        }
+        self.change = 0;
+    }
+}
+
+impl SyncMissing {
+    fn beat(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
+        let Some(interval) = self.rhythm.beat(context.now()) else { return };
+        let missed = interval.misses(self.percent, context.scene.slack());
+        if self.gaps.open.is_empty() {
+            let Some(period) = missed else {
+                self.gaps.kept += u32::from(interval.expected.is_some());
+                return;
+            };
+            (self.gaps.period, self.gaps.change) = (period, Gaps::LONGER);
+            return self.open(interval.length, context);
+        }
+        match self.gaps.judge(interval.length) {
+            Shows::GoesOn => self.gaps.tell(sink),
+            Shows::Changed => {
+                self.gaps = Gaps::default();
+                self.rhythm.restart();
+            }
+            Shows::Nothing if interval.length > self.percent.of(self.gaps.period) => {
+                self.open(interval.length, context);
+            }
+            Shows::Nothing => {}
+        }
+    }
+
+    #[cold]
+    fn open(&mut self, length: Duration, context: &Context<'_>) {
+        if self.gaps.open.len() < Gaps::MOST {
+            let gap = Gap { before: context.previous.cloned(), after: context.seen(), length };
+            self.gaps.open.push(gap);
+        }
+    }
 }
 
 impl Rule for SyncMissing {
@@ -47,7 +145,7 @@ impl Rule for SyncMissing {
         if !matches!(context.message(), Message::Sync(_)) {
             if super::changes_sync(context) {
                 self.rhythm.restart();
-                self.last = None;
+                (self.last, self.gaps) = (None, Gaps::default());
             } else if context.begins_anew() {
                 self.rhythm.pause();
                 self.last = None;
@@ -55,22 +153,21 @@ impl Rule for SyncMissing {
             return;
         }
         self.last = context.record.frame.cob_id().map(|id| (context.now(), id));
-        let Some(interval) = self.rhythm.beat(context.now()) else { return };
-        let Some(period) = interval.misses(self.percent, context.scene.slack()) else { return };
-        let begin = context.previous.map_or(context.now(), Seen::time);
-        let report = Report::at(begin).until(context.now()).measure(interval.length.nanos());
-        let report = report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence());
-        sink.report(report, || format!("no SYNC for {}, but its period is {period}", interval.length));
+        self.beat(context, sink);
     }
 
     fn interrupted(&mut self) {
         self.rhythm.pause();
-        self.last = None;
+        (self.last, self.gaps) = (None, Gaps::default());
     }
 
     fn finish(&mut self, scene: &Scene<'_>, sink: &mut Sink<'_>) {
         const ENDED: Percent = Percent(500);
-        let (Some((last, id)), Some(period)) = (self.last, self.rhythm.period()) else { return };
+        let period = if self.gaps.open.is_empty() { self.rhythm.period() } else { Some(self.gaps.period) };
+        if self.gaps.kept >= Gaps::BELIEVED {
+            self.gaps.tell(sink);
+        }
+        let (Some((last, id)), Some(period)) = (self.last, period) else { return };
         let silence = scene.now.since(last);
         if silence <= ENDED.of(period) + scene.slack() + Duration::from_millis(10) {
             return;

@@ -9,16 +9,16 @@ use canvass_macros::rule;
 
 /// a synchronous PDO does not come with its SYNC
 ///
-/// The SDO traffic of the capture shows that a TPDO is synchronous and cyclic (transmission type 1 to 240), its
-/// node is operational, it has come before, and now more SYNC messages have passed without it than its transmission
-/// type allows; or it comes sooner than at every n-th SYNC, again and again.
+/// More SYNC messages pass without a TPDO than its transmission type allows, or the TPDO repeatedly comes sooner than
+/// at every n-th SYNC. The rule judges TPDOs of operational nodes that were sent before, and that the SDO traffic of
+/// the capture shows as synchronous and cyclic (transmission type 1 to 240).
 ///
 /// # Why
 /// The consumer works with the value of an earlier cycle, often without noticing.
 ///
 /// # What to do
-/// If it comes after the next SYNC instead, the device is too slow for this cycle, or the bus is too full. If it does
-/// not come at all, look at the node's state.
+/// If the PDO comes after the next SYNC instead, the device is too slow for this cycle, or the bus is too full. If it
+/// does not come at all, check the state of the node.
 #[rule(id = "pdo/sync-pdo-missing", severity = Error, rank = ProcessData, services = [Sync, Nmt], also = KnownTpdos)]
 struct SyncPdoMissing {
     /// The TPDOs of each node, by their number from 0.

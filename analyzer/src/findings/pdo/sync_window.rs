@@ -7,17 +7,16 @@ use canvass_traces::Duration;
 
 /// a synchronous PDO comes outside the synchronous window
 ///
-/// The SDO traffic of the capture shows the synchronous window length (1007h) of a node and that a TPDO of it is
-/// synchronous (transmission type 0 to 240), and the PDO comes later than that after SYNC. The time that the PDO itself
-/// takes on the bus is not counted.
+/// A synchronous TPDO (transmission type 0 to 240) comes later after SYNC than the synchronous window length (1007h) of
+/// its node allows. The rule needs SDO traffic that shows both. The time that the PDO itself occupies the bus is not
+/// counted.
 ///
 /// # Why
-/// Consumers whose window is over drop the PDO or take it for the next cycle; and the node should not have sent it any
-/// more.
+/// Consumers whose window is over discard the PDO or use it in the next cycle. The node should not have sent it.
 ///
 /// # What to do
-/// See what was on the bus between SYNC and the PDO: PDOs with lower CAN-IDs that fill the window, or nothing, so that
-/// the device is too slow. Lengthen 1007h, spread the PDOs over cycles, or give this one a lower CAN-ID.
+/// Check the bus between SYNC and the PDO: either PDOs with lower CAN-IDs fill the window, or the bus is idle and the
+/// device is too slow. Lengthen 1007h, distribute the PDOs over several cycles, or give this PDO a lower CAN-ID.
 #[rule(id = "pdo/sync-window", severity = Error, rank = Detail, services = [Sync], also = KnownTpdos)]
 struct SyncWindow {
     /// tolerance for the recorder's clock

@@ -8,13 +8,14 @@ use canvass_traces::{Duration, Timestamp};
 
 /// the time in TIME jumps
 ///
-/// Between two TIME messages the time of day has gone on by more or less than the clock of the capture.
+/// Between two TIME messages the time of day has advanced by more or less than the clock of the capture.
 ///
 /// # Why
-/// Devices that log events or synchronise clocks take over the jump.
+/// Devices that log events or synchronise clocks adopt the jump.
 ///
 /// # What to do
-/// The producer's clock was set, or there are two producers. A step of an hour is a producer that sends local time.
+/// The producer's clock was set, or there are two producers. A step of one hour indicates a producer that sends local
+/// time.
 #[rule(id = "pdo/time-jump", severity = Warning, rank = Detail, services = [Time])]
 struct TimeJump {
     /// a smaller difference counts as drift

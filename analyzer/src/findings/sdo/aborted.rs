@@ -9,16 +9,16 @@ use canvass_macros::rule;
 
 /// an SDO transfer was aborted
 ///
-/// Client or server aborts a transfer. Findings are distinguished by object, code and side. A read that the server refuses
-/// because it has no such object or sub-index, or because its error history (1003h) is empty, is only worth knowing:
-/// clients find out in this way what a device has.
+/// Client or server aborts a transfer. Each object, abort code and side has its own finding. The severity is info if
+/// the server refuses a read because the object or sub-index does not exist, or because its error history (1003h) is
+/// empty: clients explore a device in this way.
 ///
 /// # Why
-/// A value was not written or not read: the device runs with another configuration than the master believes.
+/// A value was not written or not read: the configuration of the device differs from the one that the master assumes.
 ///
 /// # What to do
-/// The code tells the reason. 0601 0002h and 0609 00xxh are mistakes of the configuration, 0800 002xh of the moment,
-/// 0503 0000h and 0504 xxxxh of the protocol.
+/// The abort code tells the reason. 0601 0002h and 0609 00xxh indicate a wrong configuration, 0800 002xh a temporary
+/// state of the device, 0503 0000h and 0504 xxxxh a protocol error.
 #[rule(id = "sdo/aborted", severity = Warning, rank = Transfer, services = [Sdo])]
 struct Aborted;
 

@@ -15,15 +15,15 @@ const EFFECTS: &[Effect] =
 
 /// an SDO client gives up too soon
 ///
-/// A client aborts its request, or goes on to another one, before the server has had time to answer; or the answer
-/// comes after that, within the time that sdo/late allows. The server is not blamed for it.
+/// A client aborts its request, or sends another request, before the server has had time to answer; or the answer comes
+/// afterwards, within the time that sdo/late allows. The rule does not blame the server.
 ///
 /// # Why
-/// The transfer fails although nothing is wrong with the server, whose answer is then taken for another one, or for that
-/// of a second device.
+/// The transfer fails although the server works correctly. Its late answer is taken for the answer to another request,
+/// or for the answer of a second device.
 ///
 /// # What to do
-/// Lengthen the time-out of the client: 500 ms are usual, several seconds for stores.
+/// Lengthen the timeout of the client: 500 ms are usual, several seconds for stores.
 #[rule(id = "sdo/impatient-client", severity = Warning, rank = ProcessData, also = UnusualRequests, leads_to = EFFECTS)]
 struct ImpatientClient {
     /// giving up sooner than this is impatient

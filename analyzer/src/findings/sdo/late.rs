@@ -14,15 +14,17 @@ const EFFECTS: &[Effect] = &[
 
 /// an SDO server answers late
 ///
-/// The answer to an SDO request comes later than usual time-outs allow, counted from the first time that it was sent. Storing and restoring parameters may take
-/// longer.
+/// The answer to an SDO request comes later than usual timeouts allow, measured from the first transmission of the
+/// request. Storing and restoring parameters may take longer. The rule sdo/too-early reports requests before the node's
+/// boot-up.
 ///
 /// # Why
-/// Many clients give up after 500 ms, repeat the request, and then take the late answer for the answer to the next one.
+/// Many clients give up after 500 ms, repeat the request, and then take the late answer for the answer to the next
+/// request.
 ///
 /// # What to do
-/// Compare with the other response times of the node in the statistics. If only some objects are late, they touch slow
-/// memory: lengthen the client's time-out for them.
+/// Compare with the other response times of the node in the statistics. If only some objects are late, they use slow
+/// memory: lengthen the client's timeout for them.
 #[rule(id = "sdo/late", severity = Warning, rank = Transfer, services = [Sdo], leads_to = EFFECTS)]
 struct Late {
     /// an answer after this time is late
@@ -60,6 +62,9 @@ impl Rule for Late {
             RequestEvent::AnsweredLate { pending, gave_up, .. } => (pending, Some(*gave_up)),
             _ => return,
         };
+        if context.scene.was_asked_too_early(pending) {
+            return;
+        }
         let limit = Limits { answer: self.answer, store: self.store }.of(pending);
         // The time counts from the first of repeated requests.
         let asked = pending.request.time();

@@ -1,3 +1,4 @@
+use crate::findings::effect::{Effect, SOON};
 use crate::findings::facts::RequestEvent;
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
@@ -7,19 +8,26 @@ use crate::network::sdo::Violation;
 use crate::wire::sdo::{Request, Response};
 use canvass_macros::rule;
 
+/// Effects: the other side gives up.
+const EFFECTS: &[Effect] =
+    &[Effect::on(&["sdo/aborted", "sdo/unfinished", "sdo/retries"]).of_same_node().spanning(SOON)];
+
 /// a rule of the SDO protocol is broken
 ///
-/// A toggle bit that does not alternate, an answer about another object, more or fewer bytes than announced, a wrong
-/// CRC or sequence number in a block transfer, an unknown command, or an answer that nobody asked for. Transfers that
-/// were under way when the capture began are not judged.
+/// An SDO message violates the protocol: a toggle bit that does not alternate, an answer for another object, more or
+/// fewer bytes than announced, a wrong CRC or sequence number in a block transfer, an unknown command, or an answer
+/// without a request. Transfers that began before the capture are not judged.
 ///
 /// # Why
-/// Data may be lost, doubled or belong to another object. Some clients and servers don't notice.
+/// Data may be lost, duplicated or belong to another object. Some clients and servers do not detect this.
 ///
 /// # What to do
-/// The frames show who broke the rule: client (600h + node-ID) or server (580h + node-ID). Answers that nobody asked
-/// for come from a second device with the same node-ID, or from a client that gave up too early.
-#[rule(id = "sdo/protocol-violation", severity = Error, rank = Detail, services = [Sdo])]
+/// The finding names the side that violated the protocol: client (600h + node-ID) or server (580h + node-ID). If a CRC
+/// is wrong, the sender calculates it otherwise than CiA 301 demands (start value 0, without the unused bytes of the
+/// last segment), or bytes were lost. A wrong sequence number or toggle bit means a lost or duplicated frame, a wrong
+/// size a fault of the sender. Only an answer without a request, or for another object, points to a second client on
+/// this channel, a second device with the same node-ID, or a client that gave up too early.
+#[rule(id = "sdo/protocol-violation", severity = Error, rank = Transfer, services = [Sdo], leads_to = EFFECTS)]
 struct ProtocolViolation {
     /// The channels on which the beginning of a transfer was seen.
     begun: Vec<bool>,
@@ -50,6 +58,7 @@ impl Rule for ProtocolViolation {
             let side = if client { "client" } else { "server" };
             let object = context.decoded.object.map(|object| format!(" ({object})")).unwrap_or_default();
             match violation {
+                Violation::Unexpected if repeats(context) => format!("the {side} repeats its answer{object}"),
                 Violation::Unexpected => {
                     format!("{} {side} that does not belong here{object}", what(context.message()))
                 }
@@ -66,6 +75,12 @@ impl Rule for ProtocolViolation {
     fn interrupted(&mut self) {
         self.begun.fill(false);
     }
+}
+
+/// Whether the frame is the same as the last one with this CAN-ID: the server answers one request more than once.
+fn repeats(context: &Context<'_>) -> bool {
+    let is_answer = matches!(context.message(), Message::SdoResponse(response) if response.multiplexer().is_some());
+    is_answer && context.previous.is_some_and(|before| before.record.frame == context.record.frame)
 }
 
 const fn kind(violation: Violation) -> u64 {

@@ -7,33 +7,53 @@ use canvass_macros::rule;
 
 /// an SDO client repeats its request
 ///
-/// The same request is sent again before an answer has come, to a node that does send something in this capture.
+/// A client repeats a request before an answer has come, to a node that has sent a message before and was not reset
+/// meanwhile.
 ///
 /// # Why
-/// The server was too slow for the client, or the request was lost. The server may answer both, and from then on client
-/// and server are one answer apart.
+/// The server was too slow for the client, or the request was lost. The server may answer both requests, and from then
+/// on the client takes each answer for the answer to its next request.
 ///
 /// # What to do
-/// Lengthen the time-out of the client, and see how long the server takes for other objects.
-#[rule(id = "sdo/retries", severity = Warning, rank = Detail, also = UnusualRequests)]
+/// Lengthen the timeout of the client, and check the response times of the server for other objects.
+#[rule(id = "sdo/retries", severity = Warning, rank = Detail, services = [Sdo])]
 struct Retries {
-    /// The first repeated request to each node, and the number of repetitions.
-    first: PerNode<Option<Box<(Seen, u64)>>>,
+    nodes: PerNode<Option<Box<Repeated>>>,
+}
+
+/// The repeated requests to a node.
+struct Repeated {
+    first: Seen,
+    times: u64,
+    /// Whether one of them was answered.
+    answered: bool,
 }
 
 impl Rule for Retries {
     fn frame(&mut self, context: &Context<'_>, _: &mut Sink<'_>) {
-        let (RequestEvent::Repeated, Some(node)) = (&context.news().request, context.node()) else { return };
-        self.first[node].get_or_insert_with(|| Box::new((context.seen(), 0))).1 += 1;
+        let Some(node) = context.node() else { return };
+        let repeated = &mut self.nodes[node];
+        match &context.news().request {
+            RequestEvent::Repeated if !context.scene.facts.node(node).is_absent() => {
+                let first = || Box::new(Repeated { first: context.seen(), times: 0, answered: false });
+                repeated.get_or_insert_with(first).times += 1;
+            }
+            RequestEvent::Answered(pending) | RequestEvent::AnsweredLate { pending, .. } if pending.times > 1 => {
+                if let Some(repeated) = repeated {
+                    repeated.answered = true;
+                }
+            }
+            _ => {}
+        }
     }
 
-    fn finish(&mut self, scene: &Scene<'_>, sink: &mut Sink<'_>) {
-        for (node, first) in self.first.iter() {
-            let Some((seen, times)) = first.as_deref().filter(|_| scene.facts.node(node).first_seen.is_some()) else {
-                continue;
-            };
-            sink.report(Report::at(seen.time()).node(node).evidence(seen.evidence()), || {
-                format!("{times} requests were repeated before an answer came")
+    fn finish(&mut self, _: &Scene<'_>, sink: &mut Sink<'_>) {
+        for (node, repeated) in self.nodes.iter() {
+            let Some(Repeated { first, times, answered }) = repeated.as_deref() else { continue };
+            sink.report(Report::at(first.time()).node(node).evidence(first.evidence()), || {
+                let requests = if *times == 1 { "1 request was".to_owned() } else { format!("{times} requests were") };
+                let answer = if *answered { "before an answer came" } else { "and no answer came" };
+                format!("{requests} repeated {answer}")
             });
         }
     }

@@ -8,18 +8,18 @@ use crate::object;
 use crate::{Multiplexer, NodeId, PerNode};
 use canvass_macros::rule;
 
-/// parameters are stored more often than the memory bears
+/// parameters are stored more often than the memory endures
 ///
-/// Parameters are stored (1010h, or the signature `save` in an object of the manufacturer; some devices also keep each
-/// write of an object of their profile at once) so often that the memory of the device would be worn out within its service
-/// life, if it went on like this.
+/// At the rate at which parameters are stored, the memory of the device wears out within its service life. Parameters
+/// are stored by 1010h or by the signature `save` in a manufacturer-specific object; some devices also store each write
+/// of an object of their profile at once.
 ///
 /// # Why
-/// An EEPROM bears some 100 000 writes. Some masters store at every start or even in every cycle; years later the
+/// An EEPROM endures some 100 000 writes. Some masters store at every start or even in every cycle; years later the
 /// device loses its configuration.
 ///
 /// # What to do
-/// Store once, at commissioning. Configure the rest at every start without storing.
+/// Store once, at commissioning. Configure all other parameters at every start without storing them.
 #[rule(id = "sdo/store-wear", severity = Warning, rank = Detail, also = EndedTransfers)]
 struct StoreWear {
     /// a lower number of stores is not judged

@@ -1,4 +1,3 @@
-use crate::PerNode;
 use crate::findings::effect::{Effect, SETTLE};
 use crate::findings::facts::{Pending, RequestEvent};
 use crate::findings::rule::Rule;
@@ -9,6 +8,7 @@ use crate::network::Cause;
 use crate::network::sdo::ChannelIndex;
 use crate::wire::error_control::State;
 use crate::wire::sdo::Request;
+use crate::{NodeId, PerNode};
 use canvass_macros::rule;
 use canvass_traces::Duration;
 
@@ -21,17 +21,17 @@ const EFFECTS: &[Effect] =
 
 /// an SDO request gets no answer
 ///
-/// An SDO request is followed by no answer of the server until the time is over, or until the client gives up and sends
-/// something else. Stopped nodes must not answer. Requests to several nodes that never send anything are a scan for
-/// nodes, and not reported.
+/// The server does not answer an SDO request within the timeout, or until the client gives up and sends another
+/// request. Requests to stopped nodes, which must not answer, are not reported. Requests to several nodes that never
+/// send a message count as a scan for nodes, and are not reported, nor are requests before the node's boot-up.
 ///
 /// # Why
-/// The client waits for its time-out and then usually aborts; start-up of the machine is delayed or fails.
+/// The client waits for its timeout and then usually aborts; the start-up of the machine is delayed or fails.
 ///
 /// # What to do
-/// Where the node still sends other messages, its SDO server is busy or hung;
-/// silence to a node that is off or has another node-ID. Two clients on one channel take each other's answers: give the
-/// second one a channel of its own (1201h).
+/// If the node still sends other messages, its SDO server is busy or hangs. If it sends no message at all, it is
+/// switched off or has another node-ID. Two clients on one channel receive each other's answers: give the second client
+/// its own channel (1201h).
 #[rule(id = "sdo/unanswered", severity = Error, rank = ProcessData, services = [Sdo], leads_to = EFFECTS)]
 struct Unanswered {
     /// timeout for an answer
@@ -67,6 +67,9 @@ fn tell(
     if matches!(state, Some((State::STOPPED, Cause::Command | Cause::ErrorControl))) {
         return;
     }
+    if scene.was_asked_too_early(pending) {
+        return;
+    }
     let message = format!("no answer to the request{}: {why}", pending.about());
     if scene.facts.node(node).first_seen.is_none() {
         absent[node].get_or_insert_with(|| Box::new((pending.request.clone(), message)));
@@ -80,6 +83,16 @@ fn tell(
     sink.report(report.evidence(pending.request.evidence()), || format!("{message}{also}"));
 }
 
+/// Whether a message on the client's CAN-ID looks like the server's answer to a read request: a read request has no
+/// bits set after its command specifier.
+fn is_misplaced_answer(pending: &Pending, context: &Context<'_>) -> bool {
+    const SPECIFIER: u8 = 0xE0;
+    let reads = |message: &Message| matches!(message, Message::SdoRequest(Request::InitiateUpload { .. }));
+    let has_size = context.record.frame.data().first().is_some_and(|command| command & !SPECIFIER != 0);
+    let same = pending.object.is_some() && pending.object == context.decoded.object;
+    same && has_size && reads(context.message()) && reads(&pending.request.decoded.message)
+}
+
 impl Unanswered {
     /// Maximum number of abandoned requests whose answers are awaited.
     const MOST: usize = 64;
@@ -90,6 +103,11 @@ impl Unanswered {
         let aborts = matches!(context.message(), Message::SdoRequest(Request::Abort(_)));
         if aborts && waited < self.patience {
             return;
+        }
+        if is_misplaced_answer(pending, context) {
+            let why =
+                format!("a message that looks like the answer followed on the request's own CAN-ID after {waited}");
+            return tell(&mut self.absent, pending, &why, context.scene, sink);
         }
         if waited < TWO_CLIENTS && !aborts {
             let why = format!("another one followed after {waited}, as if two clients used this channel");
@@ -164,17 +182,23 @@ impl Rule for Unanswered {
                 tell(&mut self.absent, pending, &why, scene, sink);
             }
         }
-        let absent = self.absent.iter_mut();
-        let absent: Vec<_> = absent.filter(|(node, _)| scene.facts.node(*node).first_seen.is_none()).collect();
-        let asked = absent.iter().filter(|(_, request)| request.is_some()).count();
-        if asked as u64 >= self.scan {
-            return;
-        }
-        for (node, request) in absent {
-            if let Some((request, message)) = request.take().map(|absent| *absent) {
-                let report = Report::at(request.time()).node(node).evidence(request.evidence());
-                sink.report(report, || format!("{message}; the node never sends anything"));
+        let silent = |node: NodeId| scene.facts.node(node).first_seen.is_none();
+        let asked = self.absent.iter().filter(|(node, request)| request.is_some() && silent(*node)).count();
+        let is_scan = asked as u64 >= self.scan;
+        for (node, request) in self.absent.iter_mut() {
+            let Some((request, message)) = request.take().map(|absent| *absent) else { continue };
+            let first = scene.facts.node(node).first_seen;
+            if first.is_none() && is_scan || first.is_some() && scene.facts.node(node).last_boot_up.is_some() {
+                continue;
             }
+            let report = Report::at(request.time()).node(node).evidence(request.evidence());
+            sink.report(report, || match first {
+                None => format!("{message}; the node never sends anything"),
+                Some(first) => {
+                    let later = first.since(request.time());
+                    format!("{message}; the node sends its first message {later} after the request")
+                }
+            });
         }
     }
 }

@@ -1,7 +1,8 @@
 //! Cause and effect between groups of findings.
 
 use super::groups::Group;
-use crate::findings::effect::{Effect, Kinds, Nodes, Time};
+use crate::findings::effect::{Effect, Kinds, Nodes, SETTLE, Time};
+use canvass_traces::Timestamp;
 
 /// The index of each group's cause; `None` for a group without a cause.
 pub fn of(groups: &[Group<'_>]) -> Vec<Option<usize>> {
@@ -13,7 +14,7 @@ pub fn of(groups: &[Group<'_>]) -> Vec<Option<usize>> {
             .filter(|(other, cause)| *other != at && cause.channel == effect.channel && follows(effect, cause));
         // Of several possible causes, the cause with the highest rank is taken; among equal ranks, the one that began
         // last before the effect.
-        let best = possible.min_by_key(|(_, cause)| (cause.rule.rank, effect.first().since(cause.first())));
+        let best = possible.min_by_key(|(_, cause)| (cause.rank(), effect.first().since(cause.first())));
         causes[at] = best.map(|(cause, _)| cause);
     }
     for at in 0..groups.len() {
@@ -28,7 +29,7 @@ pub fn of(groups: &[Group<'_>]) -> Vec<Option<usize>> {
 /// Links causes and effects through a third group: a node is lost, its consumer notices, sends an EMCY, and leaves
 /// operational. All these findings stay in one story.
 fn link(groups: &[Group<'_>], causes: &mut [Option<usize>]) {
-    let orders: Vec<_> = groups.iter().map(|group| (group.first(), group.rule.rank)).collect();
+    let orders: Vec<_> = groups.iter().map(|group| (group.first(), group.rank())).collect();
     for (at, effect) in groups.iter().enumerate() {
         let Some(cause) = causes[at] else { continue };
         let story = root(causes, cause);
@@ -81,6 +82,12 @@ fn follows(effect: &Group<'_>, cause: &Group<'_>) -> bool {
     effects.iter().filter(applies).any(|stated| is_as_stated(stated, effect, cause))
 }
 
+/// Whether the first occurrence of an effect and at least half of all occurrences come at the right time.
+fn is_mostly(effect: &Group<'_>, in_time: impl Fn(Timestamp) -> bool) -> bool {
+    let begins = || effect.findings.iter().flat_map(|finding| &finding.windows).map(|window| window.0);
+    in_time(effect.first()) && begins().filter(|begin| in_time(*begin)).count() * 2 >= begins().count()
+}
+
 fn is_as_stated(stated: &Effect, effect: &Group<'_>, cause: &Group<'_>) -> bool {
     let same = || effect.nodes.iter().any(|node| cause.has(Some(*node)));
     let of_nodes = match stated.nodes {
@@ -94,11 +101,12 @@ fn is_as_stated(stated: &Effect, effect: &Group<'_>, cause: &Group<'_>) -> bool 
         Kinds::Same => effect.kind == cause.kind,
         Kinds::These(kinds) => kinds.contains(&effect.kind),
     };
+    // What has ended before a cause begins can't be its effect, and what goes on without the cause is not either.
     let in_time = || match stated.time {
-        Time::Any => true,
+        Time::Any => effect.last() + SETTLE >= cause.first(),
         Time::Never => false,
-        Time::During(early, settle) => cause.covers(effect.first(), early, settle),
-        Time::Spanning(settle) => cause.spans(effect.first(), settle),
+        Time::During(early, settle) => is_mostly(effect, |time| cause.covers(time, early, settle)),
+        Time::Spanning(settle) => is_mostly(effect, |time| cause.spans(time, settle)),
     };
-    of_nodes && of_kind && (!stated.less_grave || effect.rule.rank > cause.rule.rank) && in_time()
+    of_nodes && of_kind && (!stated.less_grave || effect.rank() > cause.rank()) && in_time()
 }

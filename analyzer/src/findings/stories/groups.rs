@@ -1,6 +1,7 @@
 //! Groups of findings of one kind: of one rule and one node, or of several nodes if their findings are one event.
 
 use crate::NodeId;
+use crate::findings::effect::Rank;
 use crate::findings::finding::{Finding, Severity};
 use crate::findings::registry::is_of_profile;
 use crate::findings::rule::Metadata;
@@ -30,6 +31,16 @@ impl Group<'_> {
         self.findings.iter().map(|finding| finding.first).min().unwrap_or_default()
     }
 
+    /// The latest occurrence.
+    pub fn last(&self) -> Timestamp {
+        self.findings.iter().map(|finding| finding.last).max().unwrap_or_default()
+    }
+
+    /// The rank of the gravest finding.
+    pub fn rank(&self) -> Rank {
+        self.findings.iter().map(|finding| finding.rank).min().unwrap_or(self.rule.rank)
+    }
+
     /// Whether an occurrence covers this time, or ended up to `settle` before it, or begins up to `early` after it.
     pub fn covers(&self, time: Timestamp, early: Duration, settle: Duration) -> bool {
         let mut windows = self.findings.iter().flat_map(|finding| &finding.windows);
@@ -38,8 +49,7 @@ impl Group<'_> {
 
     /// Whether the time is between the first and the last occurrence, or up to `settle` outside.
     pub fn spans(&self, time: Timestamp, settle: Duration) -> bool {
-        let last = self.findings.iter().map(|finding| finding.last).max().unwrap_or_default();
-        time + settle >= self.first() && time <= last + settle
+        time + settle >= self.first() && time <= self.last() + settle
     }
 
     /// Whether one of the findings concerns this node.

@@ -67,7 +67,7 @@ pub(super) fn tell(findings: &[Finding]) -> Vec<Story> {
     stories.sort_by_key(|story| {
         let head = story.head.first().and_then(|at| findings.get(*at));
         let is_hint = story.severity(findings) == Severity::Info;
-        (is_hint, head.map(|head| head.rule.rank), first(&story.head))
+        (is_hint, head.map(|head| head.rank), first(&story.head))
     });
     stories
 }

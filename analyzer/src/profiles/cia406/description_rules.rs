@@ -9,8 +9,8 @@ rules! {
 
     /// the number of revolutions contradicts the type of the encoder
     ///
-    /// The high word of 1000h says single-turn (1) or multi-turn (2); a single-turn encoder has one distinguishable
-    /// revolution (6502h), a multi-turn encoder more.
+    /// The high word of 1000h is 1 for a single-turn encoder and 2 for a multi-turn encoder. A single-turn encoder has
+    /// one distinguishable revolution (6502h), a multi-turn encoder has several.
     ///
     /// # What to do
     ///
@@ -19,8 +19,8 @@ rules! {
 
     /// the total measuring range is larger than the encoder's resolution
     ///
-    /// The steps of a revolution (6501h) times the number of revolutions (6502h) are all positions that there are; the
-    /// default of 6002h is beyond that, or its HighLimit where 6501h and 6502h are constant.
+    /// The number of positions is the steps of a revolution (6501h) multiplied by the number of revolutions (6502h).
+    /// The default of 6002h exceeds it, or the HighLimit of 6002h if 6501h and 6502h are constant.
     ///
     /// # What to do
     ///
@@ -29,8 +29,8 @@ rules! {
 
     /// the measuring units per revolution are more than the encoder's resolution
     ///
-    /// The default of 6001h is beyond the steps of a revolution (6501h), or its HighLimit where 6501h is constant: the
-    /// position would count in steps that the encoder does not see.
+    /// The default of 6001h exceeds the steps of a revolution (6501h), or the HighLimit of 6001h does if 6501h is
+    /// constant: the position would count in steps that the encoder can't measure.
     ///
     /// # What to do
     ///
@@ -39,8 +39,8 @@ rules! {
 
     /// the preset value lies outside the measuring range
     ///
-    /// The position counts from 0 up to the total measuring range (6002h), which is not reached. The default of 6003h, or its
-    /// HighLimit where 6002h is constant, lies beyond: a device refuses such a value with abort 0609 0030h.
+    /// The position is always below the total measuring range (6002h). The default of 6003h is not, or the HighLimit of
+    /// 6003h if 6002h is constant: a device refuses such a value with abort 0609 0030h.
     ///
     /// # What to do
     ///

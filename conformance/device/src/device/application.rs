@@ -123,7 +123,7 @@ pub trait Application: fmt::Debug + Send {
         None
     }
 
-    /// All possible errors of the application, each with whether it is present.
+    /// The errors that the application can have, and whether each is present.
     fn errors(&self, _: Timestamp, _: &Surroundings<'_>) -> ApplicationErrors {
         ApplicationErrors::default()
     }

@@ -7,126 +7,126 @@ use canvass_macros::Catalogue;
 pub enum Unfuzzed {
     /// changes a string: the models remember values of up to eight bytes
     StringChanged,
-    /// is a refusal: a server may refuse a transfer or a value for reasons of its own, with codes that say so
+    /// is a refusal: a server may refuse a transfer or a value for its own reasons, with abort codes for them
     Refusal,
-    /// is about a request that overlaps another: what a server does with a second request before its answer to the
-    /// first is nowhere written
+    /// concerns a request that overlaps another one: no standard defines the handling of a second request before the
+    /// answer to the first
     OverlappingRequest,
-    /// shows after more requests or resets in one go than a sequence has
+    /// shows only after more consecutive requests or resets than a sequence has
     AfterManyRequests,
-    /// is what the standard leaves open: a request that begins a transfer in the middle of a block transfer may be
-    /// refused
+    /// concerns behaviour that the standard leaves open: a server may refuse a request that begins a transfer during a
+    /// block transfer
     RequestInBlock,
-    /// is an answer that the standard leaves open, so that every choice is right
+    /// is an answer that the standard leaves open, so that every choice is correct
     OpenAnswer,
-    /// is a value that is wrong from power-on on and stays so: identity, serial number and capabilities differ from
-    /// device to device, so that the fuzzer takes what it reads after power-on for right
+    /// is a value that is wrong since power-on: identity, serial number and capabilities differ between devices, so
+    /// that the fuzzer accepts the values that it reads after power-on
     WrongFromPowerOn,
-    /// is about the event timer that an object of the profile is linked to: after a write to the one the models take
-    /// the other for unknown
+    /// concerns an event timer that is linked to an object of the profile: after a write to one of the two the models
+    /// treat the other as unknown
     LinkedTimer,
-    /// shows only in what is loaded after something was stored or restored: each sequence begins with a device as
-    /// delivered, and after a store the models can't know any more what a reset brings
+    /// shows only in values that are loaded after a store or restore: each sequence begins with a device as delivered,
+    /// and after a store the models no longer know the values after a reset
     AfterStore,
-    /// sets or keeps bits of alarms and warnings wrongly: which error a device has, only its application knows
+    /// sets or keeps bits of alarms and warnings wrongly: only the application of a device knows its errors
     AlarmBits,
-    /// is about the history of errors: what stands in 1003h depends on errors that only the device knows
+    /// concerns the error history: the content of 1003h depends on errors that only the device knows
     ErrorHistory,
-    /// is a measured value that is wrong or does not follow what was configured: of what an encoder measures the models
-    /// know the range of the position alone
+    /// is a measured value that is wrong or does not follow the configuration: the only property of measured values
+    /// that the models know is the range of the position
     MeasuredValue,
     /// accepts a value that CiA 406 or the manual forbids: the models know the limits of the description and the rules
     /// of CiA 301 for values, not those of a profile
     ProfileLimits,
-    /// comes in the moment of a reset, when a frame may still have been on its way
+    /// occurs at the moment of a reset, when frames may still be queued
     MomentOfReset,
-    /// shows before the write that causes it is confirmed, when the new heartbeat time may be in force or not
+    /// shows before the causing write is confirmed, when the new heartbeat time may or may not be in effect
     BeforeConfirmation,
-    /// is about when a lost node or master is noticed: whether and when a device reports an error, the models take from
-    /// its EMCY messages and don't demand
+    /// concerns the detection of a lost node or master: the models follow the EMCY messages of a device, but do not
+    /// demand them
     LossNoticed,
-    /// is about what a device does on an error (1029h), or whether: what the error is, only its application knows, and
-    /// a change of state by itself is followed, not demanded
+    /// concerns the reaction of a device to an error (1029h): only the application knows the error, and the models
+    /// follow a change of state, but do not demand it
     ErrorBehaviour,
-    /// is about PDOs longer or shorter than their mapping: CiA 301 lets a device process or ignore the first, and only
-    /// asks for an EMCY message on the second
+    /// concerns PDOs that are longer or shorter than their mapping: CiA 301 allows a device to process or ignore longer
+    /// PDOs, and asks only for an EMCY message for shorter ones
     PdoLength,
-    /// is about RPDOs that wait for SYNC or for their deadline: the models follow only those that act at once
+    /// concerns RPDOs that wait for SYNC or for their deadline: the models follow only RPDOs that take effect
+    /// immediately
     WaitingRpdo,
-    /// is about what an RPDO held when operational was left, of which CiA 301 says nothing
+    /// concerns the values of an RPDO that waits when the device leaves operational, which CiA 301 does not define
     HeldRpdo,
-    /// is a value beyond its limits that comes by PDO: nobody is answered, so that the models don't know whether it was
-    /// taken
+    /// is a value outside its limits in a PDO: a PDO has no answer, so that the models do not know whether the value
+    /// was accepted
     ValueByPdo,
-    /// is in the contents of TPDOs, which the models do not judge
+    /// concerns the content of TPDOs, which the models do not judge
     TpdoContents,
-    /// is later or earlier than it should be by no more than the tolerance that a timer in milliseconds and a bus in
-    /// use need
+    /// is a deviation in time within the tolerance for millisecond timers and bus load
     WithinTolerance,
-    /// makes a PDO wait longer than it should after an event: when a value has changed, only the device knows
+    /// delays a PDO after an event: only the device knows when a value has changed
     PdoDelayed,
-    /// is about what counts as an event of a TPDO, which the manufacturer decides
+    /// concerns the events of a TPDO, which the manufacturer defines
     TpdoEvent,
-    /// is about SYNC start value, window and counter of TPDOs, whose count the models take as unknown while one of them
-    /// is in use
+    /// concerns SYNC start value, window and counter of TPDOs: while one of them is used, the models treat the SYNC
+    /// count as unknown
     SyncCount,
-    /// is about a remote frame to a PDO that does not allow one, or about the moment whose values it shows: an answer
-    /// is followed, not forbidden, and contents of PDOs are not judged
+    /// concerns the answer to a remote frame for a PDO that does not allow it, or the time of its values: the models
+    /// follow an answer without forbidding it, and do not judge the content of PDOs
     RemoteFrame,
-    /// is found too, but in some runs only by nine or ten frames: what the fuzzer claims, it shows by eight at most
+    /// is found as well, but in some runs only by nine or ten frames: the fuzzer claims faults that it shows with eight
+    /// frames at most
     FoundByMoreFrames,
-    /// switches a PDO on that carries nothing: a device may refuse that, or never send it
+    /// switches on a PDO without mapped objects: a device may refuse this, or never send the PDO
     EmptyPdo,
-    /// is about SYNC or TIME that the device itself produces: the models follow its identifier, not its period and
+    /// concerns SYNC or TIME that the device itself produces: the models follow its CAN-ID, but not its period and
     /// content
     OwnSyncOrTime,
-    /// is about the clock of the device, which no service shows but objects of the manufacturer
+    /// concerns the clock of the device, which only manufacturer-specific objects show
     HiddenClock,
-    /// is an EMCY message that is missing or comes too soon after another: which errors there are, only the device
-    /// knows
+    /// is an EMCY message that is missing or too soon after another one: only the device knows its errors
     EmcyMissing,
-    /// is found only in some runs: few of the values that the fuzzer draws show it
+    /// is found only in some runs: few of the values that the fuzzer draws reveal it
     FoundSometimes,
-    /// is about the bit rate: after its activation nobody can follow on a bus of the old one
+    /// concerns the bit rate: after its activation no node can communicate on a bus with the old bit rate
     BitRate,
-    /// is about EMCY messages, of which the models take what the device reports and don't demand
+    /// concerns EMCY messages: the models accept the errors that the device reports
     EmcyReported,
     /// shows only while the shaft turns
     ShaftTurning,
-    /// is about requests of fewer than eight bytes, of which CiA 305 says nothing
+    /// concerns requests of fewer than eight bytes, which CiA 305 does not define
     ShortLssRequest,
-    /// contradicts the description: the models hold what the device does against the standards
+    /// contradicts the description: the models compare the behaviour of the device with the standards
     Description,
-    /// is about the second SDO channel: the models follow the default one
+    /// concerns the second SDO channel: the models follow the default channel
     SecondSdoChannel,
-    /// shows only after a configuration was stored, which the fuzzer does not do
+    /// shows only after a configuration was stored, and the fuzzer stores none
     StoredConfiguration,
-    /// is about what CiA 301 leaves open: when a producer sends TIME
+    /// concerns the times at which a producer sends TIME, which CiA 301 leaves open
     TimeProduced,
-    /// is about what CiA 301 leaves open: what a device does with the time
+    /// concerns the use of the received time, which CiA 301 leaves open
     TimeConsumed,
-    /// is about a clock of the device: how it goes, the models do not know
+    /// concerns the speed of a clock of the device, which the models do not know
     ClockSpeed,
-    /// is about the SYNC that a device produces itself, of which the models know the time alone
+    /// concerns the SYNC that the device itself produces, of which the models know only the time
     OwnSyncTime,
-    /// is about bit 31 of 1005h, which only DS-301 V3.0 gives a meaning
+    /// concerns bit 31 of 1005h, which has a meaning only in DS-301 V3.0
     SyncConsumerBit,
-    /// is about the content of a TPDO, which the models don't judge
+    /// concerns the content of a TPDO, which the models do not judge
     TpdoContent,
-    /// is a remote frame to a synchronous TPDO, of which CiA 301 does not say that it is answered
+    /// is a remote frame for a synchronous TPDO, whose answer CiA 301 does not demand
     RemoteSynchronous,
     /// is in the device description, not in the device: the cases of CiA 306 read it
     InDescription,
-    /// is about events of TPDOs, which are the application's matter
+    /// concerns events of TPDOs, which the application defines
     ApplicationEvent,
-    /// is about SYNC, which the fuzzer sends with one CAN-ID
+    /// concerns the CAN-ID of SYNC: the fuzzer uses a single one
     SyncCanId,
-    /// shows in the start of a device without node-ID, whose time the models leave open
+    /// shows at the start of a device without node-ID, whose time the models leave open
     UnconfiguredStart,
-    /// is about 1020h, which other writes change
+    /// concerns 1020h, which other writes change
     ConfigurationDate,
-    /// shows only where another device answers: a simulated device is alone on its bus
+    /// shows only if another device answers: a simulated device is alone on its bus
     AnotherDevice,
-    /// shows only with the right signature of a store, which the fuzzer never makes up
+    /// shows only with the correct signature of a store, which the fuzzer never generates
     StoreSignature,
 }

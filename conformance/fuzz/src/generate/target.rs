@@ -50,7 +50,7 @@ impl fmt::Display for Target {
 
 /// No target has this name.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
-#[error("no target is called \"{0}\": there are sdo, lss, nmt, pdo, sync-emcy and all, and lists such as sdo,lss")]
+#[error("no target is called \"{0}\": expected sdo, lss, nmt, pdo, sync-emcy or all, or a list such as sdo,lss")]
 pub struct UnknownTarget(pub String);
 
 impl FromStr for Target {

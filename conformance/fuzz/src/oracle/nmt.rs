@@ -424,7 +424,7 @@ impl Slave {
         self.period_since = now;
     }
 
-    /// Records another frame of the device, or one of the fuzzer.
+    /// Records that a frame of the device or of the fuzzer was on the bus until `now`.
     pub fn passed(&mut self, now: Timestamp) {
         let begin = if now.since(self.train.1) > self.jitter { now } else { self.train.0 };
         self.train = (begin, now);

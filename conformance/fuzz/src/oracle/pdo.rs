@@ -380,7 +380,7 @@ impl Seen {
             && nmt.phase() == Phase::Operational
         {
             let expected = format!("the TPDO after every {kind} SYNC");
-            let actual = format!("one too early, after {} SYNC messages", self.count.syncs());
+            let actual = format!("a TPDO too early, after {} SYNC messages", self.count.syncs());
             return wrong("synchronous TPDO", expected, actual);
         }
         if std::mem::take(&mut self.held_up) {

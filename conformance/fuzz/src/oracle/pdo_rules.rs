@@ -187,5 +187,5 @@ fn consumer(at: Multiplexer, raw: u64, knowledge: &Knowledge, expected_values: &
             let other = expected_values.number(knowledge, object::CONSUMER_HEARTBEAT_TIME, known.at.sub.0).unwrap_or(0);
             known.at.sub != at.sub && other >> 16 & 0xFF == node && other & 0xFFFF != 0
         });
-    twice.then_some((DOUBLE, "the node is watched already"))
+    twice.then_some((DOUBLE, "another entry already monitors the node"))
 }

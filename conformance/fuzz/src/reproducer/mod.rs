@@ -40,7 +40,7 @@ pub enum ReplayError {
     #[error("the reproducer can't be read to its end: {0}")]
     Damage(String),
     /// The file holds no frame that goes to the device.
-    #[error("the capture holds no frame that could be sent to node {0}: is that the node?")]
+    #[error("the capture holds no frame that could be sent to node {0}: check the node-ID")]
     Empty(NodeId),
     /// The device can't be fuzzed.
     #[error(transparent)]

@@ -19,9 +19,9 @@ const NODE: NodeId = NodeId::MIN;
 /// The failure of a device at its n-th request to read 1000h after power-on.
 #[derive(Clone, Copy, PartialEq)]
 enum Failing {
-    /// One answer is lost, and never another.
+    /// The device does not answer this request, and answers all later ones.
     Once,
-    /// The device does nothing any more.
+    /// The device stops working.
     Dies,
     /// The device's program panics.
     Panics,

@@ -72,7 +72,7 @@ impl Bench<'_> {
         if is_time_to && self.options.allow.contains(&touch) {
             return Ok(());
         }
-        let duty = format!("the user allows what the case does: writing {at} {}", touch.text());
+        let duty = format!("the user allows the action of the case: writing {at} {}", touch.text());
         let reason = Reason::new(duty, touch.name(), format!("not allowed: it {}", touch.text()));
         Err(Stop::NotApplicable(reason.for_lack_of(Lack::Permission)))
     }

@@ -67,7 +67,7 @@ impl Bench<'_> {
 /// The breach in the form of an answer, if there is one.
 fn untidy(response: &Response, frame: &Frame) -> Option<Breach> {
     let breach = |found: String| {
-        Breach::new(Service::Sdo, "answers of the SDO server have eight bytes, of which the reserved ones are 0")
+        Breach::new(Service::Sdo, "SDO responses have eight bytes, and their reserved bytes are 0")
             .found(Observation::Named(found.into()))
     };
     let what = name(response);

@@ -96,7 +96,7 @@ impl Changes {
         if !is_put_back {
             return Some(format!("{path} lists what could not be restored"));
         }
-        journal.remove().err().map(|error| format!("{path} is not needed any more and could not be removed: {error}"))
+        journal.remove().err().map(|error| format!("{path} is no longer needed, but could not be removed: {error}"))
     }
 
     /// Records the values that a start loads.
@@ -137,6 +137,10 @@ impl Changes {
 /// Fails if the journal could not be written: the change must not be made then.
 fn written(result: io::Result<()>) -> Result<(), Stop> {
     result.map_err(|error| {
-        Stop::Error(Reason::new("what is changed is written into the journal first", "a journal", error.to_string()))
+        Stop::Error(Reason::new(
+            "each change is written to the journal before it is made",
+            "a journal",
+            error.to_string(),
+        ))
     })
 }

@@ -180,6 +180,7 @@ pub(super) fn change(
             Nature::Constant
         }
         _ if is_constant || profile::is_scaling(bench, multiplexer) => Nature::Constant,
+        _ if bench.acts(multiplexer) => Nature::Acting,
         _ => Nature::Own,
     };
     Change { multiplexer, name, data_type, nature, before, after }

@@ -70,11 +70,11 @@ impl Bench<'_> {
     /// The reason that the device is not in the state that a case needs. It includes an error that the device reports,
     /// which may be the cause.
     pub(super) fn not_reached(&mut self, expected: State, found: Option<State>) -> Reason {
-        let mut actual = found.map_or_else(|| "no sign of a state".to_owned(), |state| state.to_string());
+        let mut actual = found.map_or_else(|| "no message that shows the state".to_owned(), |state| state.to_string());
         if expected == State::OPERATIONAL
             && let Some(error) = self.reported_error()
         {
-            actual = format!("{actual}; it reports an error, which may be why: {error}");
+            actual = format!("{actual}; it reports an error, which may be the cause: {error}");
         }
         Reason::new(format!("the device can be brought into {expected}"), expected.to_string(), actual)
     }

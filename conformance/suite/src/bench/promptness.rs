@@ -59,11 +59,12 @@ impl Promptness {
 
     /// The longest delay beyond the usual time in the case.
     fn lateness(self) -> Duration {
-        if self.varies() { Duration::ZERO } else { self.beyond_usual(self.longest) }
+        self.beyond_usual(self.longest)
     }
 
+    /// Zero if the response times vary by nature.
     fn beyond_usual(self, longest: Duration) -> Duration {
-        Duration(longest.0.saturating_sub(self.usual().0))
+        if self.varies() { Duration::ZERO } else { Duration(longest.0.saturating_sub(self.usual().0)) }
     }
 
     /// Whether one more read would add nothing.
@@ -95,8 +96,7 @@ pub(crate) fn lateness(bench: &mut Bench<'_>, enough: Duration) -> Duration {
     beyond(bench.knowledge.promptness.lateness())
 }
 
-/// The longest delay beyond the usual time in the run, without the delay by frames on the bus. It excuses no breach, so response
-/// times that vary count too.
+/// The longest delay of the device beyond its usual time in the run, without the delay by frames on the bus.
 pub(crate) fn lateness_of_run(bench: &Bench<'_>) -> Duration {
     let promptness = bench.knowledge.promptness;
     Duration(promptness.beyond_usual(promptness.longest_of_run).0.saturating_sub(bench.bus_delay().0))

@@ -36,7 +36,7 @@ impl Bench<'_> {
     }
 
     fn map_and_switch_on(&mut self, cob_id: CobId) -> Result<Met, Stop> {
-        let state = format!("TPDO 1 carries nothing ({TPDO_MAPPED} is 0)");
+        let state = format!("TPDO 1 maps no object ({TPDO_MAPPED} is 0)");
         if let Err(why) = self.can_write_all(&[TPDO_MAPPED, TPDO_FIRST_ENTRY])? {
             return Ok(Err(format!("{state}, and {why}")));
         }

@@ -144,7 +144,7 @@ impl Bench<'_> {
         }
         let Outcome::Uploaded(now) = self.unjudged(|bench| bench.upload(multiplexer))?.outcome else { return Ok(()) };
         if now == before {
-            let duty = format!("{multiplexer} takes the value that was written and confirmed");
+            let duty = format!("{multiplexer} has the value that was written and confirmed");
             return Err(Stop::Inconclusive(Reason::new(duty, Bytes(value).to_string(), Bytes(&now).to_string())));
         }
         self.knowledge.takes.insert(multiplexer);

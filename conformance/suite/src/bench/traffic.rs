@@ -133,7 +133,8 @@ impl<'a> Traffic<'a> {
 
     pub(super) fn check_cancelled(&self) -> Result<(), Stop> {
         if self.is_cancelled() && !self.restoring {
-            let why = if self.is_out_of_time() { "the time of the run was over" } else { "the run was cancelled" };
+            let why =
+                if self.is_out_of_time() { "the time limit of the run was reached" } else { "the run was cancelled" };
             let reason = Reason::new("the case runs to its end", "no interruption", why);
             return Err(Stop::Inconclusive(reason));
         }
@@ -211,7 +212,7 @@ impl<'a> Traffic<'a> {
         if self.bus.health().lost == before {
             return Ok(());
         }
-        let actual = "it was ended, as frames were lost";
+        let actual = "it was ended because frames were lost";
         Err(Stop::Inconclusive(Reason::new("the case runs to its end", "no frame is lost", actual)))
     }
 

@@ -50,7 +50,7 @@ pub enum RunError {
         harm: Harm,
     },
     /// Others use the device, and the user has not allowed testing it meanwhile.
-    #[error("others use node {node}, and the cases would reset it and change its settings: {}", told(.messages))]
+    #[error("other clients use node {node}, and the cases would reset it and change its settings: {}", told(.messages))]
     OtherClients {
         /// The node-ID.
         node: NodeId,
@@ -144,14 +144,14 @@ pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEv
     let others = bench.traffic.clients.messages_of_run();
     if !others.is_empty() {
         report(&RunEvent::OtherClients(&others));
-        report(&RunEvent::Noticed(&format!("others used the device during the run: {}", told(&others))));
+        report(&RunEvent::Noticed(&format!("other clients used the device during the run: {}", told(&others))));
     }
     summary.stores = bench.stores();
     summary.duration = bench.now().since(started);
     summary.host = bench.is_live().then(|| HostTiming::of(&bench.health(), bench.now()));
     report(&RunEvent::RunFinished(&summary));
     if summary.executed() == 0 {
-        let reason = format!("of {} cases none could be judged", summary.total());
+        let reason = format!("none of {} cases could be judged", summary.total());
         return Err(RunError::NothingToRun { reason });
     }
     Ok(summary)

@@ -45,11 +45,11 @@ impl Nonsense {
             return false;
         }
         let actual = format!(
-            "the device does not follow the protocol: none of {} cases in a row could be passed, in {took}",
+            "the device does not follow the protocol: it passed none of {} consecutive cases, in {took}",
             self.cases
         );
         let duty = "the device, and the adapter before it, follow the protocol";
-        let reason = Reason::new(duty, "answers in the form and the time that CiA 301 gives them", actual);
+        let reason = Reason::new(duty, "answers in the form and the time that CiA 301 defines", actual);
         // The frames are in the evidence; there is no single violation to name.
         report.verdict = Verdict::new(Vec::new(), Some(End::Error(reason)));
         true
@@ -222,7 +222,7 @@ mod tests {
     fn a_run_ends_when_its_time_is_over() {
         let options = Options { limit: Some(Duration::from_secs(8)), ..Options::default() };
         let (_, notices, took) = tested(&options);
-        assert!(notices.iter().any(|notice| notice.contains("its time was over")), "{notices:?}");
+        assert!(notices.iter().any(|notice| notice.contains("its time limit was reached")), "{notices:?}");
         assert!(took < Duration::from_secs(60), "{took}");
     }
 }

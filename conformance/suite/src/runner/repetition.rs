@@ -71,26 +71,32 @@ fn run_undisturbed(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
     }
 }
 
-/// Repeats a case whose failure lateness of the device can cause: the failure counts if each repetition has it. If one has not,
-/// the doubt is the reason of the inconclusive verdict.
-fn confirmed(bench: &mut Bench<'_>, case: &'static Case, first: CaseReport, doubt: Reason) -> CaseReport {
-    let mut last = first;
+/// Repeats a case whose failure the device's lateness can cause. The failure counts unless a repetition does not have it: then
+/// the case is inconclusive, `doubt` tells why, and the frames of the failure stay its evidence.
+fn confirmed(bench: &mut Bench<'_>, case: &'static Case, mut failed: CaseReport, doubt: Reason) -> CaseReport {
     for number in 1..=CONFIRMATIONS {
-        let tried = told(&last.verdict, number, last.duration);
-        let notes = last.notes.into_iter().chain([tried]);
-        let mut next = run_quietly(bench, case);
-        next.notes.splice(0..0, notes);
-        if matches!(next.verdict.kind(), Kind::Pass | Kind::Tolerated | Kind::Deviation) {
-            next.verdict = Verdict::inconclusive(doubt);
-            next.outcomes = vec![Kind::Inconclusive];
-            return next;
+        if bench.is_cancelled() {
+            break;
         }
-        last = next;
-        if last.verdict.kind() != Kind::Fail || bench.is_cancelled() {
+        let next = run_quietly(bench, case);
+        failed.notes.push(told(&next.verdict, number + 1, next.duration));
+        if has_not_come_again(&next.verdict) {
+            failed.verdict = Verdict::inconclusive(doubt);
+            failed.outcomes = vec![Kind::Inconclusive];
             break;
         }
     }
-    last
+    failed
+}
+
+/// Whether a repetition passed, or was kept from a verdict by the device's lateness alone. One that could not begin may lack
+/// what the failure has left behind: it is no reason to doubt the failure.
+fn has_not_come_again(verdict: &Verdict) -> bool {
+    match verdict.kind() {
+        Kind::Pass | Kind::Tolerated | Kind::Deviation => true,
+        Kind::Inconclusive => verdict.reason().is_some_and(|reason| reason.lack == Lack::Promptness),
+        Kind::Fail | Kind::NotApplicable | Kind::Error => false,
+    }
 }
 
 /// Runs a case, and repeats it if a temporary disturbance prevented a verdict. A case that wears out memory is not repeated.

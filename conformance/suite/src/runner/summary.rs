@@ -45,7 +45,7 @@ impl fmt::Display for EndedEarly {
         f.write_str(match self {
             Self::NoProtocol => "the device does not follow the protocol",
             Self::FirstFailure => "a case failed, and the run ends with the first failure",
-            Self::TimeIsOver => "its time was over",
+            Self::TimeIsOver => "its time limit was reached",
         })
     }
 }

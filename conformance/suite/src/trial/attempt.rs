@@ -76,7 +76,7 @@ fn ended(judged: Judged) -> (Option<Box<Breach>>, Option<End>) {
 }
 
 fn not_allowed(touch: Touch) -> Reason {
-    let duty = format!("the user allows what the case does: it {}", touch.text());
+    let duty = format!("the user allows the action of the case: it {}", touch.text());
     Reason::new(duty, touch.name(), format!("not allowed: it {}", touch.text())).for_lack_of(Lack::Permission)
 }
 

@@ -33,7 +33,7 @@ fn blameless(mut trial: Trial, health: &Health) -> Trial {
     }
     let meanwhile = trial.meanwhile();
     if health.interruptions > 0 {
-        let trouble = health.trouble.clone().unwrap_or_else(|| "the way to the bus was interrupted".to_owned());
+        let trouble = health.trouble.clone().unwrap_or_else(|| "the connection to the bus was interrupted".to_owned());
         let end = Some(End::Error(Reason::new("the bus works", "no interruption", trouble)));
         return Trial { breaches: Vec::new(), end, ..trial };
     }
@@ -205,7 +205,7 @@ mod tests {
         let interrupted = Health { interruptions: 1, trouble: Some("bus-off".to_owned()), ..Health::default() };
         assert_eq!(told(None, &interrupted), "bus-off");
         let unnamed = Health { interruptions: 1, ..Health::default() };
-        assert_eq!(told(None, &unnamed), "the way to the bus was interrupted");
+        assert_eq!(told(None, &unnamed), "the connection to the bus was interrupted");
         let mut late = Health::default();
         late.receive.add(Duration::from_millis(200));
         let told = judged_so(vec![breach(Observation::Silence)], None, &late);

@@ -34,7 +34,7 @@ pub(super) fn judge(mut trial: Trial, bench: &mut Bench<'_>) -> Trial {
     let usual = bench.knowledge.usual_answer();
     let late = |found: &Reason| {
         let actual = format!(
-            "the device was late as a whole: a read beside the case was answered {lateness} later{}",
+            "the device was late as a whole: a read outside the case was answered {lateness} later{}",
             meanwhile(found)
         );
         let reason = Reason::new(DEVICE_KEEPS_UP, format!("answers after {usual}, as usual"), actual);
@@ -49,14 +49,14 @@ pub(super) fn judge(mut trial: Trial, bench: &mut Bench<'_>) -> Trial {
     trial
 }
 
-/// Why a failure has to come again: the device made nothing but breaches that lateness can make, and was late as a whole at
-/// some time in the run. A device that gets no processor now and then may be prompt again when it is asked.
+/// The reason why a failure has to come again: lateness can cause each of its breaches, and the device was late as a whole at
+/// some time in the run. A device that sometimes gets no processor time may be prompt again when the bench measures it.
 pub(crate) fn doubt(report: &CaseReport, bench: &Bench<'_>) -> Option<Reason> {
     if report.verdict.kind() != Kind::Fail {
         return None;
     }
     let (timing, lateness) = (bench.timing(), promptness::lateness_of_run(bench));
-    // An answer of LSS names no question: a late one is taken for that of the next.
+    // An LSS answer does not name its request: the bench takes a late one for the answer to the next request.
     let is_mistaken = |breach: &Breach| matches!(breach.subject, Subject::Service(Service::Lss | Service::Lmt));
     let by_lateness = |Ruled { breach, .. }: &Ruled| lateness_needed(breach, &timing).is_some() || is_mistaken(breach);
     let mut failures = report.verdict.breaches().iter().filter(|ruled| ruled.kind() == Kind::Fail);
@@ -66,7 +66,7 @@ pub(crate) fn doubt(report: &CaseReport, bench: &Bench<'_>) -> Option<Reason> {
     let usual = bench.knowledge.usual_answer();
     let found = report.verdict.reason().map(|reason| meanwhile(&reason)).unwrap_or_default();
     let actual = format!(
-        "another try found nothing, and the device was late as a whole in this run, by up to {lateness}{found}"
+        "another try did not find it, and the device was late as a whole in this run, by up to {lateness}{found}"
     );
     let reason = Reason::new(DEVICE_KEEPS_UP, format!("answers after {usual}, as usual"), actual);
     Some(reason.for_lack_of(Lack::Promptness))

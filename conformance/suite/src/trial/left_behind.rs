@@ -6,7 +6,7 @@ use crate::verdict::Reason;
 
 pub(super) fn judge(mut trial: Trial, bench: &mut Bench<'_>) -> Trial {
     trial.excuse(|breach| {
-        let actual = "one that an earlier case left, which could not be put back";
+        let actual = "the value of an earlier case, which could not be restored";
         let duty = || format!("{} has the device's own value", breach.subject);
         bench.changes.is_left_behind(breach.subject).then(|| Reason::new(duty(), "the value before the run", actual))
     });

@@ -26,7 +26,7 @@ impl Trial {
 fn described_so(bench: &Bench<'_>, case: &Case, verdict: &Verdict) -> Option<String> {
     let Target { described_alone, model, .. } = bench.target();
     let is_it = *described_alone && case.asks_the_device() && verdict.kind() == Kind::Fail;
-    is_it.then(|| format!("the device is simulated as {model} describes it: what is wrong is wrong there"))
+    is_it.then(|| format!("the device is simulated as {model} describes it: the fault is in that description"))
 }
 
 /// The breach with its grade: a breach of what the standard leaves open is recorded and never fails.

@@ -222,12 +222,12 @@ fn a_run_that_ended_early_says_so() {
     let options = Options { limit: Some(MS(7_000)), ..Options::default() };
     let (summary, events) = with_options(device(&[]), &options, |bench| told(bench, &[&WAITS, &WAITS, &WAITS]));
     assert!(summary.unwrap().cancelled);
-    assert!(events.iter().any(|event| event.contains("its time was over")), "{events:?}");
+    assert!(events.iter().any(|event| event.contains("its time limit was reached")), "{events:?}");
     assert!(events.iter().any(|event| event.starts_with("compared")), "it is put back all the same");
     let (summary, events) = with_bench(device(&[]), |bench| told(bench, &[&GIVES_UP, &PASSES]));
     assert!(!summary.unwrap().is_good() && !events.iter().any(|event| event.contains("the run ended")), "{events:?}");
     let none = with_bench(device(&[]), |bench| told(bench, &[&GIVES_UP]).0);
-    assert_eq!(none.unwrap_err().to_string(), "no case was executed: of 1 cases none could be judged");
+    assert_eq!(none.unwrap_err().to_string(), "no case was executed: none of 1 cases could be judged");
 }
 
 /// Cases about the file alone ask no device: none need be present, and nothing is compared.
@@ -462,7 +462,10 @@ fn a_device_that_is_simulated_from_its_description_is_named_as_such() {
             Target { described_alone, model: "my.eds".to_owned(), ..Target::unknown(NodeId::new(63).unwrap()) };
         with_target(device(&[]), &target, &Options::default(), |bench| run_case(bench, case).notes)
     };
-    assert_eq!(notes(true, &FAILS), ["the device is simulated as my.eds describes it: what is wrong is wrong there"]);
+    assert_eq!(
+        notes(true, &FAILS),
+        ["the device is simulated as my.eds describes it: the fault is in that description"]
+    );
     assert!(notes(false, &FAILS).is_empty() && notes(true, &PASSES).is_empty());
     static OF_THE_FILE: Case = test_case("306/file/wrong", |_| Err(breach()));
     assert!(notes(true, &OF_THE_FILE).is_empty(), "the file is not simulated");

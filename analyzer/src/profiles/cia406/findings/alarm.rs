@@ -11,14 +11,14 @@ pub const FOLLOWS: &[(&str, Effect)] =
 
 /// an encoder shows an alarm
 ///
-/// 6503h, in a PDO or read by SDO, is not 0. Findings are distinguished by bit.
+/// 6503h, in a PDO or read by SDO, is not 0. Each bit has its own finding.
 ///
 /// # Why
-/// The position is not valid any more: a machine that goes on with it moves to wrong places.
+/// The position is no longer valid: a machine that uses it moves to wrong places.
 ///
 /// # What to do
-/// Bit 0 is a position error: the disk, magnet or sensor. Bits 12 to 15 are in the manual of the device. The EMCY of
-/// the same moment says more.
+/// Bit 0 is a position error of the disk, magnet or sensor. The manual of the device describes bits 12 to 15. The EMCY
+/// at the same time gives more details.
 #[rule(id = "encoder/alarm", severity = Error, rank = DeviceError, also = ProfileValues, follows = FOLLOWS)]
 struct Alarm;
 

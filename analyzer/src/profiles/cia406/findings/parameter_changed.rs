@@ -6,14 +6,14 @@ use canvass_macros::rule;
 /// preset or scaling was written in operation
 ///
 /// A client has written the operating parameters (6000h), the scaling (6001h, 6002h) or the preset (6003h) of an
-/// encoder while it was operational.
+/// operational encoder.
 ///
 /// # Why
-/// The position jumps, without the shaft having moved, while the machine uses it.
+/// The position jumps while the machine uses it, although the shaft has not moved.
 ///
 /// # What to do
-/// If it is meant (homing), see that the machine stands still and that the consumer knows. Else find out which tool or
-/// which part of the program writes it.
+/// If the write is intended (homing), make sure that the machine stands still and that the consumer knows of it.
+/// Otherwise find out which tool or which part of the program writes the object.
 #[rule(id = "encoder/parameter-changed", severity = Warning, rank = Detail, also = ProfileValues)]
 struct ParameterChanged;
 

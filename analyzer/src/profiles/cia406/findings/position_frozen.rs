@@ -8,14 +8,14 @@ use canvass_traces::{Duration, Timestamp};
 
 /// the position stands still while the speed does not
 ///
-/// For a time, all PDOs of an encoder show the same position (6004h), while its speed (6030h) is never near 0.
+/// All PDOs of an encoder show the same position (6004h) for some time, while its speed (6030h) is never near 0.
 ///
 /// # Why
-/// Either the position is frozen, and the machine does not see that it moves, or the speed is wrong.
+/// Either the position is frozen, and the machine does not notice its movement, or the speed is wrong.
 ///
 /// # What to do
-/// A frozen position with a live speed is a fault of the device: restart it, and compare 6004h and the raw position if
-/// it has one.
+/// A device with a frozen position and a changing speed is faulty: restart it, and compare 6004h with the raw position
+/// if it has one.
 #[rule(id = "encoder/position-frozen", severity = Error, rank = Detail, services = [BootUp, Nmt], also = ProfileValues)]
 struct PositionFrozen {
     /// a lower value of 6030h counts as standing still

@@ -8,21 +8,21 @@ use crate::{Multiplexer, NodeId, PerNode};
 use canvass_macros::rule;
 use canvass_traces::{Duration, Timestamp};
 
-/// a position jumps as no shaft can
+/// a position changes faster than the shaft can move
 ///
-/// Between two PDOs the position (6004h, or 6020h of the first channel) changes by more than the highest speed
-/// allows in that time. The measuring units per revolution are those of 6001h or 6501h if known, else the threshold
-/// `resolution`. On linear devices 6501h is the length of a step, and the description gives the unit of 6020h;
-/// without these values the rule reports nothing. Jumps at the end of the range, and within a second after a
-/// preset, a write of any parameter or a restart, are not counted.
+/// Between two PDOs the position (6004h, or 6020h of the first channel) changes by more than the highest speed allows
+/// in that time. The measuring units per revolution are the value of 6001h or 6501h if known, otherwise the threshold
+/// `resolution`. On linear devices 6501h is the length of a step, and the description gives the unit of 6020h; without
+/// these values the rule reports nothing. Jumps at the end of the range, and within a second after a preset, a write of
+/// any parameter or a restart, are not counted.
 ///
 /// # Why
-/// The device has lost its position for a moment or for good, two devices send on one CAN-ID, or the PDO carries
-/// something else than is believed.
+/// The device has lost its position, briefly or permanently, two devices send on one CAN-ID, or the PDO carries another
+/// object than assumed.
 ///
 /// # What to do
-/// If the next position is the old one again, look for electrical disturbance and for a second sender. If it stays, the
-/// multi-turn part may be at fault.
+/// If the next position is the old position again, look for electrical disturbance and for a second sender. If the new
+/// position stays, the multi-turn part may be faulty.
 #[rule(id = "encoder/position-jump", severity = Error, rank = Detail, services = [BootUp, Nmt], also = ProfileValues)]
 struct PositionJump {
     /// highest possible speed of the shaft

@@ -14,16 +14,15 @@ struct Scaling {
 
 /// a position is outside its measuring range
 ///
-/// The capture shows the total measuring range (6002h) and that scaling is on (6000h bit 2, or 6500h), and a position
-/// (6004h) is not below the range; or scaling is off, and the position of a rotary encoder is not below the physical
-/// range, 6501h times 6502h.
+/// With scaling on (6000h bit 2, or 6500h), a position (6004h) is not below the total measuring range (6002h) that the
+/// capture shows; or with scaling off, the position of a rotary encoder is not below the physical range, 6501h
+/// multiplied by 6502h.
 ///
 /// # Why
-/// A master that calculates with the range takes the position for another one, often a whole range away.
+/// A master that calculates with the range derives a wrong position, often wrong by a whole range.
 ///
 /// # What to do
-/// Check whether the range was written with scaling off, or after the preset. If not, it is a fault of the device's
-/// firmware.
+/// Check whether the range was written with scaling off, or after the preset. If not, the device's firmware is faulty.
 #[rule(
     id = "encoder/position-outside-range",
     severity = Error,

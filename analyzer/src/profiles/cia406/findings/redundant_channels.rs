@@ -20,16 +20,16 @@ struct Channels {
 
 /// the redundant channels of an encoder disagree
 ///
-/// The first TPDO of a draw-wire encoder with two redundant channels carries the position (6020h) twice, the second one
-/// counting down as the first counts up. Their sum was constant, and has changed. Where no mapping is known,
-/// two equal halves of the TPDO of a linear encoder are taken for such channels if their sum stays the same while they
-/// move. After a download to the node the sum is learned anew.
+/// The first TPDO of a draw-wire encoder with two redundant channels carries the position (6020h) twice, and the second
+/// channel counts down as the first counts up. Their sum was constant, and has changed. If no mapping is known, two
+/// equally long halves of the TPDO of a linear encoder count as redundant channels if their sum stays constant while
+/// they change. The rule learns the sum again after a download to the node.
 ///
 /// # Why
-/// One of the two channels is wrong. Which one, the values alone don't tell.
+/// One of the two channels is wrong. The values alone do not tell which.
 ///
 /// # What to do
-/// Stop relying on this device. See which of the two channels jumped or froze.
+/// Stop relying on this device. Check which of the two channels jumped or froze.
 #[rule(id = "encoder/redundant-channels", severity = Error, rank = Detail, services = [Pdo, BootUp])]
 struct RedundantChannels {
     /// permitted deviation of the sum, as the channels are sampled one after the other

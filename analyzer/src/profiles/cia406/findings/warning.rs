@@ -5,14 +5,14 @@ use canvass_macros::rule;
 
 /// an encoder shows a warning
 ///
-/// 6505h, in a PDO or read by SDO, is not 0. Findings are distinguished by bit.
+/// 6505h, in a PDO or read by SDO, is not 0. Each bit has its own finding.
 ///
 /// # Why
-/// The position is still valid, but a limit is passed: speed, light, battery, temperature, or operating time.
+/// The position is still valid, but a limit is exceeded: speed, light, battery, temperature, or operating time.
 ///
 /// # What to do
-/// Plan to replace the battery or the device; a speed beyond the limit is the machine's. Bit 2 is a watchdog reset:
-/// look for boot-ups without a command.
+/// Plan to replace the battery or the device. A speed beyond the limit is caused by the machine. Bit 2 is a watchdog
+/// reset: look for boot-ups without a command.
 #[rule(id = "encoder/warning", severity = Warning, rank = Detail, also = ProfileValues, follows = FOLLOWS)]
 struct Warning;
 

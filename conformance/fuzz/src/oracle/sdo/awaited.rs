@@ -109,7 +109,7 @@ impl Awaited {
     /// The required answer in words.
     pub fn text(&self) -> String {
         match self {
-            Self::Nothing => "no SDO response: none was asked for".to_owned(),
+            Self::Nothing => "no SDO response without a request".to_owned(),
             Self::Anything => "a legal response, or none".to_owned(),
             Self::Abort { codes, at: Some(at), why } => format!("{why}: abort of {at} with {}", codes.text()),
             Self::Abort { codes, at: None, why } => format!("{why}: abort with {}", codes.text()),

@@ -41,7 +41,7 @@ pub(crate) struct Server {
     /// Silence was not awaited since the last request, whose answer is optional.
     unsettled: bool,
     grace: Timestamp,
-    /// From this time on, a request belongs to the new NMT state, as its last change is long over.
+    /// The NMT state is certain for requests from this time on: its last change is completed by then.
     settled: Timestamp,
     /// The time of the last message of the client or the server.
     last: Timestamp,

@@ -64,7 +64,7 @@ impl Server {
         }
         let awaited = self.awaited;
         if served == Served::No {
-            let expected = "no SDO response: the NMT state is not one in which SDO works";
+            let expected = "no SDO response in an NMT state without SDO";
             return Err(violation(Property::Silent, "SDO in a state without SDO", expected, shown(frame), now));
         }
         self.last = now;
@@ -506,7 +506,11 @@ fn check_multiplexer(actual: Multiplexer, expected: Multiplexer) -> Judged {
     if actual == expected {
         return Ok(());
     }
-    Err(instead(Property::LegalSdo, format!("an answer that names {expected}"), format!("one that names {actual}")))
+    Err(instead(
+        Property::LegalSdo,
+        format!("an answer that names {expected}"),
+        format!("an answer that names {actual}"),
+    ))
 }
 
 fn check_abort(abort: Abort, codes: CodeSet, at: Option<Multiplexer>) -> Judged {

@@ -383,15 +383,14 @@ fn a_tpdo_is_set_up_with_the_best_object() {
     let mut fixed_entry = rows(0xC0, 0);
     fixed_entry[2].2 = false;
     assert!(
-        refused(fixed_entry, &target)
-            .starts_with("TPDO 1 carries nothing (1A00h:00 is 0), and 1A00h:01 can't be set: ")
+        refused(fixed_entry, &target).starts_with("TPDO 1 maps no object (1A00h:00 is 0), and 1A00h:01 can't be set: ")
     );
     let mut fixed_id = rows(0x40, 0);
     fixed_id[0].2 = false;
     assert!(refused(fixed_id, &target).contains("and 1800h:01 can't be set: "));
     assert_eq!(
         refused(rows(0xC0, 0), &of(&[])),
-        "TPDO 1 carries nothing (1A00h:00 is 0), and the description names no object for it"
+        "TPDO 1 maps no object (1A00h:00 is 0), and the description names no object for it"
     );
     let described_fixed = described(&[("1800sub1", "DataType=0x0007\nAccessType=ro"), PDO[1], PDO[2], written]);
     let off = "TPDO 1 is switched off (1800h:01 is C00001BFh), and 1800h:01 can't be written";
@@ -399,7 +398,7 @@ fn a_tpdo_is_set_up_with_the_best_object() {
     let fixed_mapping = described(&[PDO[0], ("1A00sub0", "DataType=0x0005\nAccessType=ro"), PDO[2], written]);
     assert_eq!(
         refused(rows(0xC0, 0), &fixed_mapping),
-        "TPDO 1 carries nothing (1A00h:00 is 0), and 1A00h:00 can't be written"
+        "TPDO 1 maps no object (1A00h:00 is 0), and 1A00h:00 can't be written"
     );
 }
 

@@ -311,7 +311,7 @@ fn a_state_that_is_not_reached_is_told() {
     });
     with_bench(table(&[]), |bench| {
         let Err(Stop::Inconclusive(reason)) = bench.require_state(State::STOPPED) else { panic!("it shows none") };
-        assert_eq!(reason.actual, "no sign of a state");
+        assert_eq!(reason.actual, "no message that shows the state");
         bench.expect_state(State::STOPPED, "a stop").unwrap();
         assert_eq!(bench.take_breaches(None)[0].found_text(), "no answer");
     });

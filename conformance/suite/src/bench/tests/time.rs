@@ -144,7 +144,7 @@ fn a_run_has_an_end() {
             bench.listen(MS(1)).unwrap();
             assert!(bench.traffic.is_out_of_time() && bench.is_cancelled());
             let Err(Stop::Inconclusive(reason)) = bench.listen(MS(1)) else { panic!("it goes on") };
-            assert_eq!(reason.actual, "the time of the run was over");
+            assert_eq!(reason.actual, "the time limit of the run was reached");
             assert!(bench.uncancelled(|bench| bench.listen(MS(1))).is_ok());
             assert!(bench.listen(MS(1)).is_err());
         },

@@ -45,9 +45,10 @@ fn exactly_one_boot_up(bench: &mut Bench<'_>, command: Command) -> Judged {
     Err(Stop::Breach(Box::new(breach.told(seen(bench, &start)))))
 }
 
-/// From a reset command to its boot-up message the device is silent: in initialisation no service is allowed.
+/// The device sends nothing between a reset command and its boot-up message: CiA 301 allows no service in the NMT state
+/// initialisation.
 ///
-/// What was on its way or queued when the command came, such as a heartbeat or a TPDO, is no breach.
+/// Frames that were already queued when the command arrived, such as a heartbeat or a TPDO, are no breach.
 #[case(id = "301/boot-up/silent-before", clause = "CiA 301 7.3.2.2.5", confidence = Cited, level = Must,
        catches = [EmcyBeforeBootUp])]
 fn silent_before(bench: &mut Bench<'_>) -> Judged {
@@ -84,7 +85,7 @@ fn frames(records: &[Record]) -> String {
     format!("{}{more}", shown.join(", "))
 }
 
-/// Every one of many resets ends in a boot-up message. Its time after the command is reported.
+/// Each of many resets ends in a boot-up message. The case reports the time from the command to the message.
 #[case(id = "301/boot-up/every-time", clause = "CiA 301 7.2.8.2.3.1", confidence = Cited, level = Must,
        catches = [BootUpSometimesMissing, BootUpMissing])]
 fn every_time(bench: &mut Bench<'_>) -> Judged {
@@ -111,7 +112,7 @@ fn every_time(bench: &mut Bench<'_>) -> Judged {
     Ok(())
 }
 
-/// Before its boot-up message the device answers no SDO request.
+/// The device answers no SDO request before its boot-up message.
 #[case(id = "301/boot-up/no-sdo-before", clause = "CiA 301 7.3.2.2.5", confidence = Cited, level = Must,
        catches = [SdoAnsweredBeforeBootUp])]
 fn no_sdo_before(bench: &mut Bench<'_>) -> Judged {
@@ -140,7 +141,7 @@ fn no_sdo_before(bench: &mut Bench<'_>) -> Judged {
         }
     }
     if let Some(frame) = early {
-        let duty = "no SDO is answered before the boot-up message";
+        let duty = "no SDO request is answered before the boot-up message";
         let breach = Breach::new(Service::Sdo, duty).expected(Observation::Silence);
         let response = sdo::Response::read(frame.data()).ok();
         let found = response.map_or(Observation::Frame(frame), |response| observed_response(&response));
@@ -152,8 +153,8 @@ fn no_sdo_before(bench: &mut Bench<'_>) -> Judged {
     .or_inconclusive()
 }
 
-/// With 1F80h stored so that the device starts by itself (bit 2 is 0) it is operational after its boot-up message. The
-/// old value is stored again afterwards.
+/// A device that has stored 1F80h with bit 2 cleared enters operational by itself after its boot-up message. The case
+/// stores the old value again afterwards.
 ///
 /// 1F80h is an object of CiA 302-2, whose text is not public; CiA 301, 7.3.2.1, allows the start by local control.
 #[case(id = "301/boot-up/self-start", clause = "CiA 302-2", confidence = Unknown, level = Must,

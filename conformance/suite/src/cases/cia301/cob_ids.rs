@@ -48,10 +48,10 @@ fn unused(at: Multiplexer, cob_id: u32) -> u32 {
     }
 }
 
-/// A COB-ID that is out of use takes each CAN-ID that is not restricted, and reads as it was written; a PDO is switched on with
-/// another CAN-ID than it was switched off with.
+/// A COB-ID that is not in use accepts every CAN-ID that CiA 301 does not restrict, and reads back as written. A PDO
+/// that is switched off can be switched on again with another CAN-ID.
 ///
-/// Of PDOs and further SDO channels a device may do no more than switch them on and off.
+/// For PDOs and further SDO channels, a device may support only switching them on and off.
 #[case(id = "301/cob-id/patterns", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Must,
        needs = [Description], catches = [CanIdsTakenForRestricted, TimeIdRefused, EmcyIdWrong, PdoIdNotPredefined, SyncIdWrong, TimeIdWrong,
                                            SdoMemoryLeak, SdoResponseLost])]
@@ -62,7 +62,7 @@ fn patterns(bench: &mut Bench<'_>) -> Judged {
         let off = unused(at, own);
         // Another case judges whether a PDO can be switched off.
         if off != own {
-            let attempt = bench.download(at, &off.to_le_bytes())?.under("which puts it out of use");
+            let attempt = bench.download(at, &off.to_le_bytes())?.under("to switch it off");
             match is_single(at) {
                 true => attempt.refused(Situation::Confirmed)?,
                 false if attempt.abort().is_some() => return Ok(()),
@@ -106,14 +106,14 @@ fn takes(bench: &mut Bench<'_>, at: Multiplexer, cob_id: u32) -> Judged {
     bench.download(at, value)?.under("with a CAN-ID that is not restricted").refused(Situation::Confirmed)?;
     let found = bench.read(at)?;
     bench.check(demand(found == value, || {
-        Breach::new(at, "a COB-ID reads as it was written")
+        Breach::new(at, "a COB-ID reads back as written")
             .expected(Observation::Value(value.to_vec()))
             .found(Observation::Value(found))
     }))
 }
 
-/// While a COB-ID is valid, or TIME and SYNC are consumed or produced by it, none of its bits 0 to 28 changes: each write that turns one of them is refused, and the COB-ID
-/// stays.
+/// Bits 0 to 28 of a COB-ID do not change while the COB-ID is valid, or while the device consumes or produces SYNC or
+/// TIME with it: the device refuses each write that inverts one of these bits, and the COB-ID keeps its value.
 #[case(id = "301/cob-id/each-bit-valid", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Must,
        needs = [Description], catches = [CanIdLowBitsMovable, TimeIdChangeWhileValid, CobIdChangeWhileValid, EmcyIdChangeWhileValid, EmcyIdWrong,
                                            PdoIdNotPredefined, PdoRulesFirstOnly, TimeIdWrong, SdoResponseLost, SdoResponseSlow])]
@@ -133,8 +133,8 @@ fn each_bit_valid(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// The bits 11 to 28 of a COB-ID belong to no 11-bit CAN-ID: a value that has one of them set, and bit 29 not, is refused
-/// with abort 0609 0030h.
+/// Bits 11 to 28 of a COB-ID are not part of an 11-bit CAN-ID: a value with one of these bits set and bit 29 cleared is
+/// refused with abort 0609 0030h.
 #[case(id = "301/cob-id/bits-beyond", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Should,
        needs = [Description], catches = [CobIdBitsUnchecked, CanIdTooHighAccepted, PdoRulesFirstOnly, SdoResponseLost])]
 fn bits_beyond(bench: &mut Bench<'_>) -> Judged {
@@ -156,8 +156,8 @@ fn bits_beyond(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// A device that knows only 11-bit CAN-IDs refuses bit 29 of 1014h, 1028h and 1201h to 127Fh with abort 0609 0030h; one that
-/// takes it takes a CAN-ID of 29 bits too.
+/// A device that supports only 11-bit CAN-IDs refuses bit 29 of 1014h, 1028h and 1201h to 127Fh with abort 0609 0030h.
+/// A device that accepts bit 29 also accepts a CAN-ID of 29 bits.
 #[case(id = "301/cob-id/frame-bit", clause = "CiA 301 7.5.2.17", confidence = Cited, level = Must,
        needs = [Description], catches = [CobIdFrameBitTaken])]
 fn frame_bit(bench: &mut Bench<'_>) -> Judged {
@@ -181,7 +181,9 @@ fn frame_bit(bench: &mut Bench<'_>) -> Judged {
         } else {
             bench.expect_effect(at, &(off & !0x7FF | FRAME | FREE).to_le_bytes())?;
             let long = bench.download(at, &(off & !0x1FFF_FFFF | FRAME | LONG).to_le_bytes())?;
-            bench.check(long.under("which has 29 bits, after bit 29 was taken").refused(Situation::Confirmed))?;
+            bench.check(
+                long.under("with a CAN-ID of 29 bits, after bit 29 was accepted").refused(Situation::Confirmed),
+            )?;
         }
         bench.download(at, &off.to_le_bytes())?;
         bench.download(at, &own.to_le_bytes())?;

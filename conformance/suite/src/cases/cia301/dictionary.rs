@@ -14,10 +14,10 @@ use canvass_bus::observation::Observation;
 /// The error history, whose entries can only be read while there are errors.
 const ERROR_HISTORY: Index = Index(object::PREDEFINED_ERROR_FIELD);
 
-/// Every object that the description calls readable can be read, and has the length of its data type.
+/// Every object that the description calls readable can be read, and its value has the length of its data type.
 ///
-/// An object that has nothing to give at the moment may answer with abort 0800 0020h to 0800 0024h, an empty error history
-/// with 0800 0000h too.
+/// An object that has no value at the moment may be refused with abort 0800 0020h to 0800 0024h; an entry of an empty
+/// error history may also be refused with abort 0800 0000h.
 #[case(id = "301/dictionary/described", clause = "CiA 301 7.4.2", confidence = Cited, level = Must,
        needs = [Description], catches = [ErrorRegisterMissing, EdsSubIndexMissing, EdsDataTypeWrong, IdentityRevisionMissing, SdoSegmentLengthWrong,
                   ErrorControlMissing, OperatingStatusMissing, AlarmsMissing, PositionSixteenBit,
@@ -35,13 +35,14 @@ fn described(bench: &mut Bench<'_>) -> Judged {
         let length = data_type.bytes();
         bench.check(demand(length.is_none_or(|length| length == value.len()), || {
             Breach::new(multiplexer, "an object has the length of its data type")
-                .expected(format!("{} bytes, as {data_type} has", length.unwrap_or_default()))
+                .expected(format!("{} bytes, the length of {data_type}", length.unwrap_or_default()))
                 .found(Observation::Value(value))
         }))
     })
 }
 
-/// Sub-indexes above the highest that sub-index 0 names do not exist: abort 0609 0011h.
+/// Sub-index 0 holds the highest sub-index of an object. Sub-indexes above it do not exist: reading one is refused with
+/// abort 0609 0011h.
 #[case(id = "301/dictionary/highest-sub-index", clause = "CiA 301 7.4.7.2", confidence = Cited, level = Must,
        catches = [SdoWrongCodeForNoSubIndex])]
 fn highest_sub_index(bench: &mut Bench<'_>) -> Judged {
@@ -82,8 +83,8 @@ const fn is_momentary(code: AbortCode) -> bool {
     matches!(code.0, 0x0800_0020..=0x0800_0024)
 }
 
-/// Sub-index FFh, where an object has it, tells the object code and the data type of the description; where it does not,
-/// it is refused with abort 0609 0011h.
+/// Sub-index FFh of an object, if it exists, holds the object code and the data type that the description gives; if it
+/// does not exist, reading it is refused with abort 0609 0011h.
 #[case(id = "301/dictionary/structure", clause = "CiA 301 7.4.7.2", confidence = Cited, level = Should,
        catches = [SdoWrongCodeForNoSubIndex, StructureEntryWrong], cct = "4.5")]
 fn structure(bench: &mut Bench<'_>) -> Judged {
@@ -112,7 +113,7 @@ fn structure(bench: &mut Bench<'_>) -> Judged {
         let is_known = matches!(found & 0xFF, 7..=9) && found >> 24 == 0 && value.len() == 4;
         bench.check(demand(is_known && expected.is_none_or(|expected| expected == found & 0xFF), || {
             let code = expected.map_or_else(|| "7, 8 or 9".to_owned(), |expected| expected.to_string());
-            Breach::new(attempt.multiplexer, "sub-index FFh tells the object code in bits 0 to 7; bits 24 to 31 are 0")
+            Breach::new(attempt.multiplexer, "sub-index FFh holds the object code in bits 0 to 7; bits 24 to 31 are 0")
                 .expected(format!("object code {code}"))
                 .found(Observation::Value(value.clone()))
         }))?;
@@ -120,8 +121,8 @@ fn structure(bench: &mut Bench<'_>) -> Judged {
     tried(asked, "an object whose sub-index 0 can be read")
 }
 
-/// After every reset node the parameters have the same values. Those that are not the defaults of the description are
-/// noted: they may have been stored.
+/// Parameters have the same values after every reset node. The case notes parameters that differ from the default of
+/// the description, because their values may have been stored.
 #[case(id = "301/dictionary/after-reset", clause = "CiA 301 7.3.2.2.1", confidence = Cited, level = Must,
        needs = [Description], catches = [ParameterDriftsAtReset], cct = "4.8")]
 fn after_reset(bench: &mut Bench<'_>) -> Judged {
@@ -132,7 +133,8 @@ fn after_reset(bench: &mut Bench<'_>) -> Judged {
     for (at, before) in &before {
         let now = after.iter().find(|(other, _)| other == at).map(|(_, value)| value);
         bench.check(demand(now == Some(before), || {
-            let found = now.map_or(Observation::named("no value any more"), |now| Observation::Value(now.clone()));
+            let found =
+                now.map_or(Observation::named("no value after the reset"), |now| Observation::Value(now.clone()));
             let breach = Breach::new(*at, "a parameter is the same after every reset node");
             breach.expected(Observation::Value(before.clone())).found(found)
         }))?;

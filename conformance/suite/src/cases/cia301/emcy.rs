@@ -62,7 +62,7 @@ pub(super) fn begin_monitoring(bench: &mut Bench<'_>) -> Result<Monitored, Stop>
         Monitored::Master
     } else {
         let Some(node) = bench.vacant_neighbour() else {
-            let reason = Reason::new("a node-ID beside that of the device is free", "one", "none");
+            let reason = Reason::new("a node-ID next to that of the device is free", "one", "none");
             return Err(Stop::NotApplicable(reason));
         };
         bench.write(WATCHED, &entry(node, CONSUMER_MS))?;
@@ -179,11 +179,11 @@ pub(super) fn reported_loss(bench: &mut Bench<'_>) -> Result<(Monitored, Vec<Rec
         return Ok((monitored, heard));
     }
     let found = shown(&heard);
-    Err(Stop::Inconclusive(Reason::new("a master or node that falls silent is reported", "an EMCY", found)))
+    Err(Stop::Inconclusive(Reason::new("the loss of a master or node is reported", "an EMCY", found)))
 }
 
-/// Whether the loss of a master or of a watched node is reported by EMCY 8130h, or a more general code: recorded only, as a
-/// device need know no error codes but 0000h and 1000h.
+/// The case only records whether the device reports the loss of its master or of a monitored node by EMCY 8130h or a
+/// more general code: a device has to support no error codes except 0000h and 1000h.
 #[case(id = "301/emcy/monitoring-lost", clause = "CiA 301 7.2.7.1", confidence = Cited, level = Open,
        needs = [Monitoring], catches = [LifeGuardingUnreported, HeartbeatConsumerSilent], cct = "7.106")]
 fn monitoring_lost(bench: &mut Bench<'_>) -> Judged {
@@ -195,14 +195,14 @@ fn monitoring_lost(bench: &mut Bench<'_>) -> Judged {
     };
     bench.note(format!("the EMCY for a lost master or node: {}", shown(&heard)));
     bench.check(demand(heard.first().is_some_and(|first| fits_loss(first, node)), || {
-        Breach::new(Service::Emcy, "a master or node that falls silent is reported by a code that fits")
+        Breach::new(Service::Emcy, "the loss of a master or node is reported by a matching error code")
             .expected(Observation::Emcy(EmcyCode::HEARTBEAT))
             .found(observed(&heard))
             .told(shown(&heard))
     }))
 }
 
-/// While an error is reported, the generic bit of the error register is set, however often it is read.
+/// The generic bit of the error register is set while an error is reported, however often the register is read.
 #[case(id = "301/emcy/generic-bit", clause = "CiA 301 7.5.2.2", confidence = Cited, level = Must,
        needs = [Monitoring], catches = [ErrorRegisterGenericMissing])]
 fn generic_bit(bench: &mut Bench<'_>) -> Judged {
@@ -215,14 +215,14 @@ fn generic_bit(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// Reading the error register does not clear it: of an error that is still there it tells at the second and third time, too.
+/// Reading the error register does not clear it: the second and third reading still show an error that persists.
 #[case(id = "301/emcy/register-read", clause = "CiA 301 7.5.2.2", confidence = Cited, level = Must,
        needs = [Monitoring], catches = [ErrorRegisterReadClears])]
 fn register_read(bench: &mut Bench<'_>) -> Judged {
     reported_loss(bench)?;
-    tells_of_error(bench, "1001h tells of the error").or_inconclusive()?;
+    tells_of_error(bench, "1001h shows the error").or_inconclusive()?;
     bench.each(["second", "third"], |bench, time| {
-        tells_of_error(bench, &format!("1001h tells of an error that is still there, also at the {time} reading"))
+        tells_of_error(bench, &format!("1001h still shows a persistent error at the {time} reading"))
     })
 }
 
@@ -234,7 +234,8 @@ fn tells_of_error(bench: &mut Bench<'_>, duty: &str) -> Judged {
     }))
 }
 
-/// When the one who fell silent is back, EMCY 0000h says so, and what is left in the error register.
+/// When the lost master or node returns, the device sends EMCY 0000h, whose third byte is the error register with the
+/// errors that remain.
 #[case(id = "301/emcy/error-reset", clause = "CiA 301 7.2.7.1", confidence = Cited, level = Must,
        needs = [Monitoring], catches = [EmcyResetMissing, EmcyResetRegisterWrong])]
 fn error_reset(bench: &mut Bench<'_>) -> Judged {
@@ -268,7 +269,8 @@ fn error_reset(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// In stopped no EMCY is sent: what is triggered there is pending. The most recent one may come afterwards.
+/// A device in the NMT state stopped sends no EMCY: an EMCY that is triggered there stays pending. The device may send
+/// the most recent one after it has left stopped.
 #[case(id = "301/state/stopped/emcy", clause = "CiA 301 7.3.2.2.4", confidence = Cited, level = Must,
        needs = [Monitoring], catches = [EmcyWhenStopped])]
 fn stopped(bench: &mut Bench<'_>) -> Judged {
@@ -283,7 +285,8 @@ fn stopped(bench: &mut Bench<'_>) -> Judged {
     let afterwards = emergencies(bench, bench.timing().silence)?;
     let register = bench.read(ERROR_REGISTER)?;
     if heard.is_empty() && afterwards.is_empty() && register.iter().all(|&bits| bits == 0) {
-        let reason = Reason::new("an error came in stopped", "an EMCY afterwards, or 1001h other than 0", "neither");
+        let reason =
+            Reason::new("an error occurred in stopped", "an EMCY afterwards, or 1001h other than 0", "neither");
         return Err(Stop::Inconclusive(reason));
     }
     bench.note(format!("EMCY after stopped: {}", shown(&afterwards)));

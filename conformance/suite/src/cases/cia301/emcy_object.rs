@@ -20,8 +20,8 @@ const UNTIL_LOST: Duration = Duration::from_millis(600);
 /// A CAN-ID that belongs to no predefined object and that CiA 301 does not restrict.
 const FREE: u32 = 0x6A0;
 
-/// 1014h names the predefined CAN-ID 080h + node-ID as delivered, unless the description says otherwise. Whether EMCY is
-/// valid then is the device's matter.
+/// 1014h holds the predefined CAN-ID 080h + node-ID as delivered, unless the description gives another one. The device
+/// may be delivered with EMCY valid or invalid.
 #[case(id = "301/emcy/cob-id", clause = "CiA 301 7.5.2.17", confidence = Cited, level = Must,
        needs = [EmcyObject], catches = [EmcyIdWrong], cct = "5.1")]
 fn cob_id(bench: &mut Bench<'_>) -> Judged {
@@ -34,13 +34,13 @@ fn cob_id(bench: &mut Bench<'_>) -> Judged {
     let right = described.unwrap_or(predefined);
     let own = bench.read(COB_ID)?;
     bench.check(demand(number(&own) & !CobId::INVALID == right & !CobId::INVALID, || {
-        Breach::new(COB_ID, "1014h names the CAN-ID of EMCY, here with bit 31 or without")
+        Breach::new(COB_ID, "1014h holds the CAN-ID of EMCY, with bit 31 set or cleared")
             .expected(Observation::Value(right.to_le_bytes().to_vec()))
             .found(Observation::Value(own))
     }))
 }
 
-/// The CAN-ID of EMCY does not change while EMCY is valid: the write is refused.
+/// The CAN-ID of EMCY does not change while EMCY is valid: the device refuses the write.
 #[case(id = "301/emcy/cob-id-while-valid", clause = "CiA 301 7.5.2.17", confidence = Cited, level = Must,
        needs = [EmcyId], catches = [EmcyIdChangeWhileValid])]
 fn cob_id_while_valid(bench: &mut Bench<'_>) -> Judged {
@@ -55,7 +55,7 @@ fn cob_id_while_valid(bench: &mut Bench<'_>) -> Judged {
     bench.expect_unchanged(COB_ID, &valid)
 }
 
-/// Restricted CAN-IDs are refused for EMCY.
+/// The device refuses restricted CAN-IDs for EMCY.
 #[case(id = "301/emcy/restricted", clause = "CiA 301 7.3.5", confidence = Cited, level = Must,
        needs = [EmcyId], catches = [RestrictedCanIdAccepted], cct = "8.10")]
 fn restricted(bench: &mut Bench<'_>) -> Judged {
@@ -67,7 +67,7 @@ fn restricted(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// With bit 31 of 1014h set no EMCY is sent, and the bit reads back.
+/// The device sends no EMCY while bit 31 of 1014h is set, and the bit reads back as 1.
 #[case(id = "301/emcy/invalid", clause = "CiA 301 7.5.2.17", confidence = Cited, level = Must,
        needs = [EmcyId, Monitoring], catches = [EmcySentWhenInvalid])]
 fn invalid(bench: &mut Bench<'_>) -> Judged {
@@ -75,7 +75,7 @@ fn invalid(bench: &mut Bench<'_>) -> Judged {
     bench.write_confirmed(COB_ID, &(own | CobId::INVALID).to_le_bytes())?;
     let now = bench.read(COB_ID)?;
     bench.check(demand(number(&now) & CobId::INVALID != 0, || {
-        let breach = Breach::new(COB_ID, "bit 31 of 1014h reads as it was written").expected("bit 31");
+        let breach = Breach::new(COB_ID, "bit 31 of 1014h reads back as written").expected("bit 31");
         breach.found(Observation::Value(now))
     }))?;
     begin_monitoring(bench)?;
@@ -86,7 +86,7 @@ fn invalid(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// An error that persists is reported once, not again and again.
+/// The device reports an error that persists once, without repeating the EMCY.
 #[case(id = "301/emcy/not-repeated", clause = "CiA 301 7.2.7.1", confidence = Cited, level = Must,
        needs = [Monitoring], catches = [EmcyRepeated])]
 fn not_repeated(bench: &mut Bench<'_>) -> Judged {
@@ -104,7 +104,7 @@ fn not_repeated(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// Between two EMCYs at least the inhibit time passes, and the second is not lost.
+/// At least the inhibit time passes between two EMCYs, and the device does not lose the second one.
 #[case(id = "301/emcy/inhibit-time", clause = "CiA 301 7.5.2.18", confidence = Cited, level = Must,
        needs = [EmcyInhibit, Monitoring], catches = [EmcyInhibitTimeIgnored, EmcyLostWhenInhibited,
        EmcyMutedByInhibitTime])]
@@ -132,7 +132,7 @@ fn inhibit_time(bench: &mut Bench<'_>) -> Judged {
     let gap = back.map(|back| back.timestamp.since(lost));
     let least = Duration::from_nanos(INHIBIT.nanos() - bench.timing().tolerance(INHIBIT).nanos());
     bench.check(demand(gap.is_some_and(|gap| gap >= least), || {
-        let duty = "EMCY 0000h within the inhibit time of the EMCY before is sent when that is over";
+        let duty = "an EMCY 0000h within the inhibit time of the previous EMCY is sent when that time is over";
         Breach::new(INHIBIT_TIME, duty)
             .expected(Allowed::Time { least, most: INHIBIT.times(2) })
             .found(gap.map_or(Observation::Silence, Observation::Time))
@@ -145,15 +145,16 @@ fn unreported(bench: &mut Bench<'_>, monitored: super::emcy::Monitored) -> Judge
     sign_of_life(bench, monitored)?;
     let heard = emergencies(bench, UNTIL_LOST)?;
     bench.check(demand(!heard.iter().any(is_error), || {
-        let duty = "an error that is reported without inhibit time is reported with one";
+        let duty = "an error that is reported without inhibit time is also reported with one";
         Breach::new(INHIBIT_TIME, duty).expected("an EMCY").found(Observation::Silence).told(shown(&heard))
     }))?;
-    Err(Stop::Inconclusive(Reason::new("a master or node that falls silent is reported", "an EMCY", "none")))
+    Err(Stop::Inconclusive(Reason::new("the loss of a master or node is reported", "an EMCY", "none")))
 }
 
-/// An EMCY has eight bytes; the third is the error register as 1001h shows it, with the generic bit.
+/// An EMCY has eight bytes. Its third byte is the error register as read from 1001h, with the generic bit set.
 ///
-/// Whether a communication error (81xxh) has its own bit, 4, is recorded only: bits 1 to 7 are optional.
+/// The case only records whether the EMCY of a communication error (81xxh) also has bit 4 set, because bits 1 to 7 are
+/// optional.
 #[case(id = "301/emcy/register-fits-code", clause = "CiA 301 7.2.7.3.1", confidence = Cited, level = Must,
        needs = [Monitoring], catches = [EmcyRegisterZero, ErrorRegisterMissing, ErrorRegisterGenericMissing])]
 fn register_fits_code(bench: &mut Bench<'_>) -> Judged {
@@ -176,6 +177,6 @@ fn register_fits_code(bench: &mut Bench<'_>) -> Judged {
     }))?;
     let is_communication = super::emcy::code_of(last) == Some(EmcyCode::HEARTBEAT);
     bench.check(demand(!is_communication || sent & ErrorRegister::COMMUNICATION.0 != 0, || {
-        breach("byte 2 of EMCY 8130h says that it is a communication error").expected("bit 4").open()
+        breach("byte 2 of EMCY 8130h has the bit of communication errors").expected("bit 4").open()
     }))
 }

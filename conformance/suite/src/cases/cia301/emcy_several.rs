@@ -51,7 +51,7 @@ fn watch_two(bench: &mut Bench<'_>) -> Result<[u8; 2], Stop> {
         return Err(Stop::NotApplicable(Reason::new("two node-IDs are free", "two", "fewer")));
     };
     if !bench.has(Multiplexer::new(CONSUMER, 2))? {
-        let reason = Reason::new("two nodes can be watched", "1016h:02", "the device has one entry");
+        let reason = Reason::new("two nodes can be monitored", "1016h:02", "the device has one entry");
         return Err(Stop::NotApplicable(reason));
     }
     for (sub, node) in [(1, first), (2, second)] {
@@ -73,8 +73,8 @@ fn beats(bench: &mut Bench<'_>, nodes: &[u8]) -> Result<Vec<Record>, Stop> {
     Ok(heard)
 }
 
-/// With one of two errors gone the device still is in error: 1001h keeps its generic bit, and an EMCY 0000h that reports the
-/// end of the one has that bit, too. With both gone EMCY 0000h comes.
+/// A device with two errors remains in error when the first of them is gone: 1001h keeps its generic bit, and so does
+/// an EMCY 0000h that reports the end of the first error. When both errors are gone, the device sends EMCY 0000h.
 #[case(id = "301/emcy/one-of-two", clause = "CiA 301 7.2.7.1", confidence = Cited, level = Must,
        needs = [HeartbeatConsumer], catches = [ErrorsClearedTogether, EmcyResetMissing, HeartbeatConsumerFirstOnly,
        HeartbeatConsumerNotRearmed])]
@@ -87,18 +87,18 @@ fn one_of_two(bench: &mut Bench<'_>) -> Judged {
     lost.extend(emergencies(bench, Duration::from_millis(u64::from(CONSUMER_MS)) + patience)?);
     let generic = u32::from(ErrorRegister::GENERIC.0);
     if !lost.iter().any(is_error) || bench.read_number(ERROR_REGISTER)? & generic == 0 {
-        let reason = Reason::new("two nodes that fall silent are an error", "EMCY, and bit 0 of 1001h", shown(&lost));
+        let reason = Reason::new("the loss of two nodes is an error", "EMCY, and bit 0 of 1001h", shown(&lost));
         return Err(Stop::NotApplicable(reason));
     }
     let back = beats(bench, &nodes[..1])?;
     let register = bench.read(ERROR_REGISTER)?;
     bench.check(demand(number(&register) & generic != 0, || {
-        let breach = Breach::new(ERROR_REGISTER, "1001h tells of the error that is left when one of two is gone");
+        let breach = Breach::new(ERROR_REGISTER, "1001h still shows an error when one of two errors is gone");
         breach.expected("bit 0").found(Observation::Value(register))
     }))?;
     let empty = back.iter().find(|record| !is_error(record) && !has_generic_bit(record));
     bench.check(demand(empty.is_none(), || {
-        let breach = Breach::new(Service::Emcy, "EMCY 0000h tells of the error that is left when one of two is gone");
+        let breach = Breach::new(Service::Emcy, "EMCY 0000h still reports an error when one of two errors is gone");
         breach.expected("bit 0 of byte 2").found(observed(&back)).told(shown(&back))
     }))?;
     let mut gone = beats(bench, &nodes)?;
@@ -117,7 +117,7 @@ fn has_generic_bit(record: &Record) -> bool {
     record.data().get(2).is_some_and(|bits| bits & ErrorRegister::GENERIC.0 != 0)
 }
 
-/// The error history lists the errors that EMCYs have signalled, all of them, as far as it has entries: the newest at
+/// The error history lists all errors that the device has signalled by EMCY, up to its number of entries: the newest at
 /// 1003h:01, the oldest at the highest sub-index.
 #[case(id = "301/error-history/all", clause = "CiA 301 7.5.2.4", confidence = Cited, level = Must,
        needs = [ErrorHistory, Monitoring, Description], catches = [ErrorHistoryMovesTwo, ErrorHistoryReversed, ErrorHistoryNotKept])]
@@ -132,10 +132,10 @@ fn all(bench: &mut Bench<'_>) -> Judged {
     let signalled: Vec<String> = codes.iter().map(|code| format!("{code:04X}h")).collect();
     let listed = if is_right { String::new() } else { listed(bench, entries.min(count as usize)) };
     bench.check(demand(is_right, || {
-        Breach::new(at, "1003h:00 counts the errors that were signalled, as far as there are entries")
+        Breach::new(at, "1003h:00 counts the errors that were signalled, up to the number of entries")
             .expected(Allowed::Count { least, most: Some(most) })
             .found(Observation::Number(count))
-            .told(format!("{count} ({listed}); signalled were {}", signalled.join(", ")))
+            .told(format!("{count} ({listed}); signalled: {}", signalled.join(", ")))
     }))?;
     if codes.iter().all(|code| codes.first() == Some(code)) {
         let actual = codes.first().map_or_else(String::new, |code| format!("{code:04X}h only"));
@@ -156,7 +156,7 @@ fn all(bench: &mut Bench<'_>) -> Judged {
 fn listed(bench: &mut Bench<'_>, count: usize) -> String {
     let read = |sub| match bench.unjudged(|bench| bench.read_number(Multiplexer::new(HISTORY, sub))) {
         Ok(entry) => format!("{:04X}h", entry & 0xFFFF),
-        Err(_) => "one that can't be read".to_owned(),
+        Err(_) => "an unreadable entry".to_owned(),
     };
     let codes: Vec<String> = (1..=0xFE).take(count).map(read).collect();
     codes.join(", ")
@@ -183,7 +183,11 @@ fn several_errors(bench: &mut Bench<'_>) -> Result<Vec<u16>, Stop> {
     }
     let codes: Vec<u16> = heard.iter().filter_map(code_of).map(|code| code.0).filter(|&code| code != 0).collect();
     if codes.is_empty() {
-        return Err(Stop::Inconclusive(Reason::new("who is monitored falls silent", "an EMCY", shown(&heard))));
+        return Err(Stop::Inconclusive(Reason::new(
+            "the loss of the monitored node or master is reported",
+            "an EMCY",
+            shown(&heard),
+        )));
     }
     Ok(codes)
 }
@@ -199,8 +203,8 @@ fn too_short(bench: &mut Bench<'_>) -> Result<Option<(u16, Vec<u8>)>, Stop> {
     Ok(can_id.map(|can_id| (can_id, vec![0; bits.div_ceil(8).min(8)])))
 }
 
-/// With another CAN-ID in 1014h EMCY comes on that one, in a data frame of eight bytes, and no longer on the old one. Reset
-/// communication brings the old one back.
+/// A device with another CAN-ID in 1014h sends EMCY with that CAN-ID, in a data frame of eight bytes, and no longer
+/// with the old CAN-ID. Reset communication restores the old CAN-ID.
 #[case(id = "301/emcy/moved", clause = "CiA 301 7.5.2.17", confidence = Cited, level = Must,
        needs = [EmcyId, Monitoring],
        catches = [EmcyKeepsCanId, EmcyMovedIsRemote, NmtResetCommunicationKeepsParameters])]
@@ -215,11 +219,11 @@ fn moved(bench: &mut Bench<'_>) -> Judged {
     let is_whole = |record: &&Record| !record.frame.is_remote() && record.data().len() == 8;
     bench.check(demand(new.iter().any(is_error) && new.iter().all(|record| is_whole(&record)), || {
         let breach =
-            Breach::new(COB_ID, "EMCY comes on the CAN-ID that 1014h names").expected("EMCY of eight bytes on 6B0h");
+            Breach::new(COB_ID, "EMCY is sent with the CAN-ID in 1014h").expected("EMCY of eight bytes on 6B0h");
         breach.found(observed(&new)).told(shown(&new))
     }))?;
     bench.check(demand(old.is_empty(), || {
-        let breach = Breach::new(COB_ID, "no EMCY comes on a CAN-ID that 1014h no longer names");
+        let breach = Breach::new(COB_ID, "no EMCY is sent with the CAN-ID that 1014h had before");
         breach.expected(Observation::Silence).found(observed(&old)).told(shown(&old))
     }))?;
     bench.reset(Command::RESET_COMMUNICATION)?;
@@ -233,7 +237,7 @@ fn moved(bench: &mut Bench<'_>) -> Judged {
     }))?;
     let [new, _] = lost_on(bench, [FREE as u16, CobId(now).can_id() as u16])?;
     bench.check(demand(new.is_empty() || now & 0x7FF == FREE, || {
-        let breach = Breach::new(COB_ID, "after reset communication no EMCY comes on the CAN-ID of before");
+        let breach = Breach::new(COB_ID, "after reset communication no EMCY is sent with the CAN-ID from before it");
         breach.expected(Observation::Silence).found(observed(&new)).told(shown(&new))
     }))
 }
@@ -246,8 +250,8 @@ fn lost_on(bench: &mut Bench<'_>, can_ids: [u16; 2]) -> Result<[Vec<Record>; 2],
     Ok(can_ids.map(|can_id| since(bench, from, can_id)))
 }
 
-/// An error that was reported, and that nothing shows any more after reset communication, is not reported after it: what
-/// had to wait for the inhibit time is of the time before the reset. With nobody monitored no EMCY reports an error.
+/// Reset communication discards an EMCY that waits for the inhibit time: after the reset the device does not report an
+/// error that no longer exists. Because it then monitors neither a master nor a node, no EMCY reports their loss.
 #[case(id = "301/emcy/after-reset", clause = "CiA 301 7.2.7.1", confidence = Cited, level = Should,
        needs = [EmcyInhibit, Monitoring], catches = [EmcySurvivesReset])]
 fn after_reset(bench: &mut Bench<'_>) -> Judged {
@@ -270,9 +274,9 @@ fn after_reset(bench: &mut Bench<'_>) -> Judged {
     let codes = error_codes_after_reset(bench)?;
     let late = codes.into_iter().find(|code| !usual.contains(code));
     bench.check(demand(late.is_none(), || {
-        let breach = Breach::new(Service::Emcy, "an error of before reset communication is not reported after it");
+        let breach = Breach::new(Service::Emcy, "an error from before reset communication is not reported after it");
         breach
-            .expected("no error that is not reported after each reset")
+            .expected("only errors that are reported after each reset")
             .found(late.map_or(Observation::Silence, Observation::Emcy))
     }))
 }
@@ -285,7 +289,7 @@ fn error_codes_after_reset(bench: &mut Bench<'_>) -> Result<Vec<EmcyCode>, Stop>
     Ok(heard.iter().filter(|record| is_error(record)).filter_map(code_of).collect())
 }
 
-/// When 1001h shows no error, the EMCY 0000h before it has not said that one is left.
+/// If 1001h shows no error, the last EMCY 0000h that the device sent reports no remaining error.
 #[case(id = "301/emcy/last-word", clause = "CiA 301 7.2.7.1", confidence = Cited, level = Must,
        needs = [Monitoring], catches = [EmcyResetRegisterWrong])]
 fn last_word(bench: &mut Bench<'_>) -> Judged {
@@ -311,18 +315,18 @@ fn last_word(bench: &mut Bench<'_>) -> Judged {
     let Some(last) = heard.last().filter(|last| !is_error(last) && register == 0) else { return Ok(()) };
     let said = last.data().get(2).copied().unwrap_or_default();
     bench.check(demand(said == 0, || {
-        let breach = Breach::new(Service::Emcy, "the last EMCY 0000h says that no error is left, as 1001h does");
+        let breach = Breach::new(Service::Emcy, "the last EMCY 0000h reports no remaining error, like 1001h");
         breach.expected(Observation::Number(0)).found(Observation::Number(u64::from(said))).told(shown(&heard))
     }))
 }
 
-/// EMCY 0000h reports the end of an error: without an error that was reported before none comes, whatever is read.
+/// EMCY 0000h reports the end of an error: a device that has reported no error sends none, whatever object is read.
 #[case(id = "301/emcy/no-error-no-reset", clause = "CiA 301 7.2.7.1", confidence = Cited, level = Must,
        catches = [EmcyResetUnasked])]
 fn no_error_no_reset(bench: &mut Bench<'_>) -> Judged {
     bench.expect_emergencies();
     if bench.read_number(ERROR_REGISTER)? != 0 {
-        let reason = Reason::new("the device is free of errors", "1001h = 0", "bits that are set");
+        let reason = Reason::new("the device is free of errors", "1001h = 0", "set bits");
         return Err(Stop::NotApplicable(reason));
     }
     // The device sends the EMCYs of its start first.
@@ -343,7 +347,8 @@ fn no_error_no_reset(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// Whether 1001h and 1003h show no error of a device that was only started: recorded, as only the device can know.
+/// The case only records whether 1001h and 1003h show no error after a plain start, because only the device can know
+/// its errors.
 #[case(id = "301/emcy/error-free", clause = "CiA 301 7.2.7.1", confidence = Cited, level = Open,
        catches = [ErrorRegisterNeverClear])]
 fn error_free(bench: &mut Bench<'_>) -> Judged {
@@ -354,14 +359,15 @@ fn error_free(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// Emptying the error history does not end an error: 1001h still tells of one that is there, and no EMCY 0000h comes.
+/// Clearing the error history does not end an error: 1001h still shows an error that persists, and the device sends no
+/// EMCY 0000h.
 #[case(id = "301/error-history/clear-keeps-error", clause = "CiA 301 7.5.2.4", confidence = Cited, level = Should,
        needs = [ErrorHistory, Monitoring], catches = [HistoryClearsRegister])]
 fn clear_keeps_error(bench: &mut Bench<'_>) -> Judged {
     let patience = patience(bench)?;
     reported_loss(bench)?;
     if bench.read_number(ERROR_REGISTER)? == 0 {
-        let reason = Reason::new("1001h tells of the error", "a bit that is set", "0");
+        let reason = Reason::new("1001h shows the error", "a bit that is set", "0");
         return Err(Stop::NotApplicable(reason));
     }
     bench.listen(patience)?;
@@ -370,12 +376,12 @@ fn clear_keeps_error(bench: &mut Bench<'_>) -> Judged {
     bench.listen(patience)?;
     let heard = emergencies_since(bench, from);
     bench.check(demand(heard.iter().all(is_error), || {
-        let breach = Breach::new(Service::Emcy, "an error does not end with the history of errors");
+        let breach = Breach::new(Service::Emcy, "clearing the error history does not end an error");
         breach.expected("no EMCY 0000h").found(observed(&heard)).told(shown(&heard))
     }))?;
     let register = bench.upload(ERROR_REGISTER)?.value()?;
     bench.check(demand(register.iter().any(|&bits| bits != 0), || {
-        let breach = Breach::new(ERROR_REGISTER, "1001h tells of an error that is there, whatever is in the history");
+        let breach = Breach::new(ERROR_REGISTER, "1001h shows a persistent error, whatever the error history contains");
         breach.expected("a bit that is set").found(Observation::Value(register))
     }))
 }

@@ -40,7 +40,7 @@ pub(super) fn after_a_loss(bench: &mut Bench<'_>) -> Result<Option<State>, Stop>
 fn lost(bench: &mut Bench<'_>, behaviour: u8, from: State, to: State) -> Judged {
     bench.expect_emergencies();
     let Some(node) = bench.vacant_neighbour() else {
-        let reason = Reason::new("a node-ID beside that of the device is free", "one", "none");
+        let reason = Reason::new("a node-ID next to that of the device is free", "one", "none");
         return Err(Stop::NotApplicable(reason));
     };
     bench.write_confirmed(BEHAVIOUR, &[behaviour])?;
@@ -53,41 +53,43 @@ fn lost(bench: &mut Bench<'_>, behaviour: u8, from: State, to: State) -> Judged 
     bench.listen(UNTIL_LOST)?;
     let found = bench.state()?.map_or(Observation::Silence, Observation::State);
     bench.check(demand(found == Observation::State(to), || {
-        let duty = format!("the device is {to} after the loss of a watched node in {from} with 1029h:01 = {behaviour}");
+        let duty =
+            format!("the device is {to} after the loss of a monitored node in {from} with 1029h:01 = {behaviour}");
         Breach::new(BEHAVIOUR, duty).expected(Observation::State(to)).found(found)
     }))
 }
 
-/// With 1029h:01 = 0 an operational device that loses a watched node becomes pre-operational.
+/// With 1029h:01 = 0 an operational device enters pre-operational when it loses a monitored node.
 #[case(id = "301/error-behaviour/pre-operational", clause = "CiA 301 7.5.2.32", confidence = Cited, level = Must,
        needs = [ErrorBehaviour, HeartbeatConsumer, VisibleState], catches = [ErrorBehaviourIgnored])]
 fn pre_operational(bench: &mut Bench<'_>) -> Judged {
     lost(bench, 0, State::OPERATIONAL, State::PRE_OPERATIONAL)
 }
 
-/// With 1029h:01 = 1 a device that loses a watched node stays in its state.
+/// With 1029h:01 = 1 a device stays in its NMT state when it loses a monitored node.
 #[case(id = "301/error-behaviour/no-change", clause = "CiA 301 7.5.2.32", confidence = Cited, level = Must,
        needs = [ErrorBehaviour, HeartbeatConsumer, VisibleState], catches = [ErrorBehaviourAlwaysLeaves])]
 fn no_change(bench: &mut Bench<'_>) -> Judged {
     lost(bench, 1, State::OPERATIONAL, State::OPERATIONAL)
 }
 
-/// With 1029h:01 = 2 a device that loses a watched node becomes stopped.
+/// With 1029h:01 = 2 a device enters stopped when it loses a monitored node.
 #[case(id = "301/error-behaviour/stopped", clause = "CiA 301 7.5.2.32", confidence = Cited, level = Must,
        needs = [ErrorBehaviour, HeartbeatConsumer, VisibleState], catches = [ErrorBehaviourIgnored])]
 fn stopped(bench: &mut Bench<'_>) -> Judged {
     lost(bench, 2, State::OPERATIONAL, State::STOPPED)
 }
 
-/// With 1029h:01 = 0 a stopped device that loses a watched node stays stopped: only operational is left.
+/// With 1029h:01 = 0 a stopped device stays stopped when it loses a monitored node: only an operational device changes
+/// its state.
 #[case(id = "301/error-behaviour/only-operational", clause = "CiA 301 7.5.2.32", confidence = Cited, level = Must,
        needs = [ErrorBehaviour, HeartbeatConsumer, VisibleState], catches = [ErrorBehaviourLeavesStopped])]
 fn only_operational(bench: &mut Bench<'_>) -> Judged {
     lost(bench, 0, State::STOPPED, State::STOPPED)
 }
 
-/// 1029h takes 0, 1 and 2; of the reserved values, 3 to 127, none is accepted: abort 0609 0030h or 0609 0031h. Those
-/// above are the manufacturer's.
+/// 1029h accepts 0, 1 and 2. The reserved values 3 to 127 are refused with abort 0609 0030h or 0609 0031h; values above
+/// 127 are specific to the manufacturer.
 #[case(id = "301/error-behaviour/reserved", clause = "CiA 301 7.5.2.32", confidence = Cited, level = Should,
        needs = [ErrorBehaviour], catches = [SdoRangeWrongCode, ErrorBehaviourUnchecked])]
 fn reserved(bench: &mut Bench<'_>) -> Judged {

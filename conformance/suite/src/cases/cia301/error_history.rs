@@ -22,9 +22,10 @@ fn clear(bench: &mut Bench<'_>) -> Result<(), Stop> {
     bench.write(COUNT, &[0])
 }
 
-/// Entries of an empty history hold no error: reading one is refused with abort 0800 0024h or 0800 0000h.
+/// Reading an entry of an empty error history is refused with abort 0800 0024h or 0800 0000h.
 ///
-/// Manuals differ: some devices let the entries read as 0, which says the same. What this one does is noted.
+/// Manuals differ: on some devices the entries read as 0, which has the same meaning. The case notes the answer of the
+/// device.
 #[case(id = "301/error-history/empty", clause = "CiA 301 7.5.2.4", confidence = Cited, level = Should,
        needs = [ErrorHistory], catches = [ErrorHistoryEmptyReadsZero], cct = "5.3")]
 fn empty(bench: &mut Bench<'_>) -> Judged {
@@ -44,8 +45,12 @@ fn empty(bench: &mut Bench<'_>) -> Judged {
 fn reported(bench: &mut Bench<'_>) -> Result<Vec<u16>, Stop> {
     let codes = error_codes(&emergencies(bench, UNTIL_LOST)?);
     if codes.is_empty() {
-        let actual = "none: nothing was signalled that the history could hold";
-        return Err(Stop::Inconclusive(Reason::new("the loss of who is monitored is an error", "an EMCY", actual)));
+        let actual = "none, so that the history has no error to hold";
+        return Err(Stop::Inconclusive(Reason::new(
+            "the loss of the monitored node or master is reported",
+            "an EMCY",
+            actual,
+        )));
     }
     Ok(codes)
 }
@@ -64,7 +69,8 @@ fn expect_code(bench: &mut Bench<'_>, entry: Multiplexer, code: u16, duty: &'sta
     }))
 }
 
-/// An error that was signalled by EMCY is in the history: 1003h:00 counts it, the lower word of 1003h:01 is its code.
+/// The error history contains an error that the device signalled by EMCY: 1003h:00 counts it, and the lower word of
+/// 1003h:01 is its error code.
 #[case(id = "301/error-history/entry", clause = "CiA 301 7.5.2.4", confidence = Cited, level = Must,
        needs = [ErrorHistory, Monitoring], catches = [ErrorHistoryNotKept])]
 fn entry(bench: &mut Bench<'_>) -> Judged {
@@ -83,7 +89,7 @@ fn entry(bench: &mut Bench<'_>) -> Judged {
     expect_code(bench, NEWEST, newest, "1003h:01 holds the error that was signalled last")
 }
 
-/// The newest error is at 1003h:01, the one before it at 1003h:02.
+/// 1003h:01 holds the newest error, 1003h:02 the error before it.
 #[case(id = "301/error-history/newest-first", clause = "CiA 301 7.5.2.4", confidence = Cited, level = Must,
        needs = [ErrorHistory, HeartbeatConsumer, RpdoMapping], catches = [SdoSilentWhenOperational, ErrorHistoryReversed])]
 fn newest_first(bench: &mut Bench<'_>) -> Judged {
@@ -116,7 +122,7 @@ fn newest_first(bench: &mut Bench<'_>) -> Judged {
     expect_code(bench, BEFORE_NEWEST, first, "the error before the newest is at 1003h:02")
 }
 
-/// The history never counts more errors than it has entries.
+/// 1003h:00 never counts more errors than the error history has entries.
 #[case(id = "301/error-history/full", clause = "CiA 301 7.5.2.4", confidence = Cited, level = Must,
        needs = [ErrorHistory, Monitoring, Description], catches = [ErrorHistoryOverflows])]
 fn full(bench: &mut Bench<'_>) -> Judged {
@@ -149,7 +155,7 @@ fn full(bench: &mut Bench<'_>) -> Judged {
     Ok(())
 }
 
-/// Entries of the history can't be written: abort 0601 0002h.
+/// Writing an entry of the error history is refused with abort 0601 0002h.
 #[case(id = "301/error-history/read-only", clause = "CiA 301 7.5.2.4", confidence = Cited, level = Must,
        needs = [ErrorHistory], catches = [SdoReadOnlyWritable, SdoReadOnlyWrongCode], cct = "4.3")]
 fn read_only(bench: &mut Bench<'_>) -> Judged {
@@ -157,8 +163,8 @@ fn read_only(bench: &mut Bench<'_>) -> Judged {
     bench.check(attempt.refused(Situation::ReadOnly))
 }
 
-/// An error that comes in stopped, when no EMCY may be sent, is in the history afterwards. The standard leaves that open:
-/// the history holds what was signalled, and the EMCY waits, or is not sent at all.
+/// An error that occurs in stopped, where the device may send no EMCY, is in the error history afterwards. The standard
+/// leaves this open: the history contains the errors that were signalled, and the EMCY is delayed or not sent at all.
 #[case(id = "301/state/stopped/error-history", clause = "CiA 301 7.3.2.2.4", confidence = Cited, level = Open,
        needs = [ErrorHistory, Monitoring], catches = [EmcyLostWhenStopped, ErrorHistoryNotKept, LifeGuardingUnreported])]
 fn stopped(bench: &mut Bench<'_>) -> Judged {
@@ -170,7 +176,7 @@ fn stopped(bench: &mut Bench<'_>) -> Judged {
     bench.listen(Duration::from_millis(200))?;
     let value = bench.upload(COUNT)?.value()?;
     bench.check(demand(value.first().is_some_and(|&count| count > 0), || {
-        Breach::new(COUNT, "an error that came in stopped is in 1003h")
+        Breach::new(COUNT, "an error that occurred in stopped is in 1003h")
             .expected("1003h:00 of 1 or more")
             .found(Observation::Value(value))
     }))

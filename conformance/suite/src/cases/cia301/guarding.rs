@@ -44,7 +44,7 @@ fn prepare(bench: &mut Bench<'_>) -> Result<(), Stop> {
     bench.let_guarding_be_answered()
 }
 
-/// The answers to guarding requests alternate in bit 7, which is 0 in the first answer after a reset.
+/// Bit 7 of the answers to guarding requests alternates, beginning with 0 in the first answer after a reset.
 #[case(id = "301/guarding/toggle", clause = "CiA 301 7.2.8.3.2.1", confidence = Cited, level = Must,
        needs = [Guarding], catches = [GuardingToggleStuck], cct = "7.3")]
 fn toggle(bench: &mut Bench<'_>) -> Judged {
@@ -63,7 +63,7 @@ fn toggle(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// Reset communication sets the toggle bit back: it is 0 in the first answer after it.
+/// Reset communication resets the toggle bit: it is 0 in the first guarding answer after the reset.
 #[case(id = "301/guarding/toggle-reset", clause = "CiA 301 7.2.8.3.2.1", confidence = Cited, level = Must,
        needs = [Guarding], catches = [GuardingToggleNotReset])]
 fn toggle_reset(bench: &mut Bench<'_>) -> Judged {
@@ -104,15 +104,15 @@ fn state(bench: &mut Bench<'_>) -> Judged {
         let found = answer(bench)?;
         let is_right = found.is_some_and(|frame| matches!(*frame.data(), [byte] if byte & 0x7F == state.0));
         bench.check(demand(is_right, || {
-            let duty = format!("a device that is {state} says so when it is guarded");
+            let duty = format!("the guarding answer of a device that is {state} shows this state");
             let expected = format!("{:02X} or {:02X}", state.0, state.0 | 0x80);
             Breach::new(Service::Guarding, duty).expected(expected).found(observed(found))
         }))
     })
 }
 
-/// Whether guarding is answered while guard time and life time factor are 0: recorded only. That switches life guarding off,
-/// of the answers nothing is said.
+/// The case only records whether the device answers guarding requests while guard time and life time factor are 0:
+/// these values disable life guarding, and the standard does not say whether the answers stop as well.
 #[case(id = "301/guarding/unset", clause = "CiA 301 7.5.2.11", confidence = Cited, level = Open,
        needs = [Guarding], catches = [GuardingSilentWhenOff], cct = "7.1")]
 fn unset(bench: &mut Bench<'_>) -> Judged {
@@ -133,7 +133,8 @@ fn unset(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// Heartbeat and guarding exclude each other, and heartbeat wins: with 1017h other than 0 guarding is not answered.
+/// A device uses either heartbeat or guarding, and heartbeat takes precedence: while 1017h is not 0, the device does
+/// not answer guarding requests.
 #[case(id = "301/guarding/heartbeat-wins", clause = "CiA 301 7.2.8.3.2.2", confidence = Cited, level = Must,
        needs = [Guarding, Heartbeat], catches = [GuardingBesideHeartbeat], cct = "7.205")]
 fn heartbeat_wins(bench: &mut Bench<'_>) -> Judged {
@@ -149,7 +150,7 @@ fn heartbeat_wins(bench: &mut Bench<'_>) -> Judged {
 
 /// Every device has a heartbeat producer (1017h) or node guarding (100Ch and 100Dh).
 ///
-/// Asked is the device, not its description.
+/// The case reads the objects from the device and does not rely on the description.
 #[case(id = "301/guarding/error-control", clause = "CiA 301 7.2.8.2.2", confidence = Cited, level = Must,
        catches = [ErrorControlMissing])]
 fn error_control(bench: &mut Bench<'_>) -> Judged {
@@ -168,8 +169,8 @@ fn error_control(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// A device without guard time, 100Ch, does not answer remote frames for its error control message: with guarding, 100Ch is
-/// mandatory.
+/// A device without guard time (100Ch) does not answer remote frames for its error control message: 100Ch is mandatory
+/// for guarding.
 #[case(id = "301/guarding/not-supported", clause = "CiA 301 7.5.2.11", confidence = Cited, level = Should,
        needs = [Heartbeat, Description], catches = [GuardingAnsweredUnsupported])]
 fn not_supported(bench: &mut Bench<'_>) -> Judged {
@@ -177,7 +178,7 @@ fn not_supported(bench: &mut Bench<'_>) -> Judged {
         return Err(Stop::NotApplicable(Reason::new(
             "the device has no node guarding",
             "a device without guard time",
-            "100Ch:00 is there",
+            "100Ch:00 exists",
         )));
     }
     bench.prefer_guarding()?;

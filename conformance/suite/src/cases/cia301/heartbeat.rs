@@ -29,9 +29,9 @@ fn counted(duty: &'static str, least: u64, most: Option<u64>, found: usize) -> B
     Breach::new(Service::Heartbeat, duty).expected(Allowed::Count { least, most }).found(found)
 }
 
-/// Heartbeats come at the period that 1017h says, in milliseconds.
+/// The device sends heartbeats with the period in milliseconds that 1017h holds.
 ///
-/// Judged is the mean over ten periods or more, of 100, 250 and 1000 ms; single ones may jitter.
+/// The case judges the mean over ten periods or more, of 100, 250 and 1000 ms; single periods may jitter.
 #[case(id = "301/heartbeat/period", clause = "CiA 301 7.5.2.20", confidence = Cited, level = Must,
        needs = [Heartbeat], catches = [HeartbeatPeriodDoubled, HeartbeatTimerRounded], cct = "7.102")]
 fn period(bench: &mut Bench<'_>) -> Judged {
@@ -103,13 +103,14 @@ fn state(bench: &mut Bench<'_>) -> Judged {
             (_, Some(wrong)) => Observation::Value(wrong.data().to_vec()),
             _ => return Ok(()),
         };
-        let duty = format!("heartbeats of a device that is {state} say so");
+        let duty = format!("heartbeats of a device that is {state} show this state");
         let breach = Breach::new(Service::Heartbeat, duty).expected(Observation::Value(vec![state.0]));
         bench.check(Err(Box::new(breach.found(found))))
     })
 }
 
-/// A new heartbeat time while heartbeats are sent takes effect without a burst, after the old period at the latest.
+/// A new heartbeat time that is written while heartbeats are sent takes effect after the old period at the latest,
+/// without a burst of heartbeats.
 #[case(id = "301/heartbeat/new-time", clause = "CiA 301 7.2.8.3.2.2", confidence = Cited, level = Must,
        needs = [Heartbeat], catches = [HeartbeatBurst])]
 fn new_time(bench: &mut Bench<'_>) -> Judged {
@@ -131,8 +132,8 @@ fn new_time(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// A heartbeat time of 1 ms is honoured and one of 65535 ms is taken, or they are refused with abort 0609 0030h to
-/// 0609 0032h; SDOs are served beside them.
+/// The device observes a heartbeat time of 1 ms and accepts a time of 65535 ms, or refuses these values with abort 0609
+/// 0030h to 0609 0032h. The SDO server answers while heartbeats are sent.
 #[case(id = "301/heartbeat/extremes", clause = "CiA 301 7.5.2.20", confidence = Cited, level = Should,
        needs = [Heartbeat], catches = [HeartbeatTimerRounded])]
 fn extremes(bench: &mut Bench<'_>) -> Judged {
@@ -154,7 +155,7 @@ fn extremes(bench: &mut Bench<'_>) -> Judged {
     bench.check(if is_refused { attempt.refused(Situation::InvalidValue) } else { attempt.expect_confirmation() })
 }
 
-/// 1017h has two bytes: one or four are refused with abort 0607 0013h or 0607 0012h.
+/// 1017h has two bytes: writing one byte is refused with abort 0607 0013h, writing four bytes with abort 0607 0012h.
 #[case(id = "301/heartbeat/length", clause = "CiA 301 7.5.2.20", confidence = Cited, level = Must,
        needs = [Heartbeat], catches = [SdoLengthUnchecked, SdoShortLengthUnchecked, SdoLengthWrongCode], cct = "2.8")]
 fn length(bench: &mut Bench<'_>) -> Judged {
@@ -191,14 +192,14 @@ fn new_state(bench: &mut Bench<'_>) -> Judged {
         let found = after.first().map_or(Observation::Silence, |record| Observation::Value(record.data().to_vec()));
         let right = Observation::Value(vec![state.0]);
         bench.check(demand(found == right, || {
-            let duty = format!("the first heartbeat of a device that became {state} says so");
+            let duty = format!("the first heartbeat of a device that became {state} shows this state");
             Breach::new(Service::Heartbeat, duty).expected(right).found(found)
         }))
     })
 }
 
-/// After a reset the boot-up message counts as the first heartbeat: the next comes after the stored heartbeat time. The
-/// old time is stored again afterwards.
+/// The boot-up message counts as the first heartbeat after a reset: the next heartbeat follows after the stored
+/// heartbeat time. The case stores the old time again afterwards.
 #[case(id = "301/heartbeat/after-boot-up", clause = "CiA 301 7.2.8.3.2.2", confidence = Cited, level = Must,
        needs = [Heartbeat, Store], touches = [Nvm], catches = [HeartbeatLateAfterBootUp, StoredConfigurationIdle])]
 fn after_boot_up(bench: &mut Bench<'_>) -> Judged {

@@ -32,14 +32,14 @@ pub const fn entry(node: u8, milliseconds: u16) -> [u8; 4] {
     ((node as u32) << 16 | milliseconds as u32).to_le_bytes()
 }
 
-/// A second entry for a node that another entry watches already is refused with abort 0604 0043h.
+/// A second entry for a node that another entry already monitors is refused with abort 0604 0043h.
 #[case(id = "301/heartbeat-consumer/duplicate", clause = "CiA 301 7.5.2.19", confidence = Cited, level = Must,
        needs = [HeartbeatConsumer], catches = [HeartbeatConsumerDoubleAccepted], cct = "7.104")]
 fn duplicate(bench: &mut Bench<'_>) -> Judged {
     const SECOND: Multiplexer = Multiplexer::new(object::CONSUMER_HEARTBEAT_TIME, 2);
     let node = neighbour(bench)?;
     if !bench.has(SECOND)? {
-        let reason = Reason::new("two nodes can be watched", "1016h:02", "the device has one entry");
+        let reason = Reason::new("two nodes can be monitored", "1016h:02", "the device has one entry");
         return Err(Stop::NotApplicable(reason));
     }
     bench.write(WATCHED, &entry(node, 500))?;
@@ -51,7 +51,7 @@ fn duplicate(bench: &mut Bench<'_>) -> Judged {
 pub(super) fn neighbour(bench: &Bench<'_>) -> Result<u8, Stop> {
     bench
         .vacant_neighbour()
-        .ok_or_else(|| Stop::NotApplicable(Reason::new("a node-ID beside that of the device is free", "one", "none")))
+        .ok_or_else(|| Stop::NotApplicable(Reason::new("a node-ID next to that of the device is free", "one", "none")))
 }
 
 /// A node that the operational device monitors, and the sign of its loss.
@@ -144,12 +144,18 @@ fn signs_in(bench: &Bench<'_>, heard: Vec<Record>) -> Signs {
 /// Requires a sign of the loss: the NMT state if the device shows it, otherwise an EMCY.
 pub(super) fn noticed(at: Multiplexer, watch: &Watch, signs: &Signs) -> Judged {
     let Some(right) = watch.enters else {
-        let reason = || Reason::new("a loss shows", "an EMCY, or heartbeats (1017h) that say the state", "neither");
+        let reason = || {
+            Reason::new(
+                "the loss of a node is visible",
+                "an EMCY, or heartbeats (1017h) that show the state",
+                "neither",
+            )
+        };
         return if signs.errors.is_empty() { Err(Stop::Inconclusive(reason())) } else { Ok(()) };
     };
     let state = signs.left.map_or(State::OPERATIONAL, |(_, state)| state);
     demand(state == right, || {
-        Breach::new(at, format!("an operational device that misses a watched node becomes {right}"))
+        Breach::new(at, format!("an operational device that loses a monitored node becomes {right}"))
             .expected(Observation::State(right))
             .found(Observation::State(state))
             .told(signs.text())
@@ -174,7 +180,7 @@ fn unnoticed_in_time(duty: &'static str, signs: &Signs) -> Check {
     })
 }
 
-/// A watched node is missed only after its first heartbeat, not before.
+/// The device begins to monitor a node with its first heartbeat: it reports no loss before that heartbeat.
 #[case(id = "301/heartbeat-consumer/first-heartbeat", clause = "CiA 301 7.5.2.19", confidence = Cited,
        level = Must, needs = [HeartbeatConsumer], catches = [HeartbeatConsumerStartsAtOnce])]
 fn first_heartbeat(bench: &mut Bench<'_>) -> Judged {
@@ -184,10 +190,10 @@ fn first_heartbeat(bench: &mut Bench<'_>) -> Judged {
     let early = bench.heard_since(begun);
     let mut signs = signs(bench, CONSUMER_TIME.times(5))?;
     signs.errors.splice(0..0, errors_of(bench, early));
-    bench.check(unnoticed(WATCHED, "a node that was never heard is not missed", &signs))
+    bench.check(unnoticed(WATCHED, "a node that has sent no heartbeat is not reported as lost", &signs))
 }
 
-/// A watched node whose heartbeats come in time is not missed.
+/// The device reports no loss of a monitored node whose heartbeats arrive in time.
 #[case(id = "301/heartbeat-consumer/kept-alive", clause = "CiA 301 7.2.8.3.2.2", confidence = Cited,
        level = Must, needs = [HeartbeatConsumer], catches = [HeartbeatConsumerNotRestarted], cct = "7.105")]
 fn kept_alive(bench: &mut Bench<'_>) -> Judged {
@@ -199,11 +205,15 @@ fn kept_alive(bench: &mut Bench<'_>) -> Judged {
         all.errors.extend(errors);
         all.left = all.left.or(left);
     }
-    bench.check(unnoticed_in_time("a node that sends a heartbeat every 100 ms is not missed after 200 ms", &all))
+    bench.check(unnoticed_in_time(
+        "a node that sends a heartbeat every 100 ms is not reported as lost after 200 ms",
+        &all,
+    ))
 }
 
-/// A watched node that falls silent is missed after the consumer heartbeat time: the device leaves operational, unless
-/// 1029h:01 says otherwise. Where an EMCY reports it, there is one, and the error register shows an error.
+/// The device detects the loss of a monitored node after the consumer heartbeat time, and leaves operational unless
+/// 1029h:01 demands otherwise. If it reports the loss by EMCY, it sends one EMCY, and the error register shows an
+/// error.
 #[case(id = "301/heartbeat-consumer/lost", clause = "CiA 301 7.5.2.32", confidence = Cited, level = Must,
        needs = [HeartbeatConsumer], catches = [HeartbeatConsumerLate, EmcyRepeated, ErrorRegisterMissing, ErrorRegisterGenericMissing, ErrorBehaviourIgnored, ConsumerTimeRefused],
        cct = "7.106")]
@@ -229,7 +239,7 @@ fn lost(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// An entry of 1016h that was stored watches its node after the next start, as one does that was just written.
+/// A stored entry of 1016h monitors its node after the next start, in the same way as an entry that was just written.
 #[case(id = "301/heartbeat-consumer/stored", clause = "CiA 301 7.5.2.13", confidence = Cited, level = Must,
        needs = [HeartbeatConsumer, Store], touches = [Nvm], catches = [HeartbeatConsumerForgetsStored])]
 fn stored(bench: &mut Bench<'_>) -> Judged {
@@ -271,7 +281,7 @@ fn in_time(signs: &Signs, sent: Timestamp) -> Check {
     // A state shows only with the next heartbeat.
     let most = Duration::from_nanos(CONSUMER_TIME.nanos() / 2 * 3) + SHOWN_EVERY;
     demand((least..=most).contains(&after), || {
-        Breach::new(WATCHED, format!("a node is missed after {CONSUMER_TIME}"))
+        Breach::new(WATCHED, format!("the loss of a node is detected after {CONSUMER_TIME}"))
             .expected(Allowed::Time { least, most })
             .found(Observation::Time(after))
     })
@@ -281,18 +291,19 @@ fn reported_once(watch: &Watch, signs: &Signs) -> Check {
     demand(signs.errors.len() < 2, || {
         let at_most_one = Allowed::Count { least: 0, most: Some(1) };
         let found = Observation::Count(signs.errors.len() as u64);
-        Breach::new(WATCHED, "a node that falls silent is reported once").expected(at_most_one).found(found)
+        Breach::new(WATCHED, "the loss of a node is reported once").expected(at_most_one).found(found)
     })?;
     let wrong = signs.errors.iter().find(|record| !fits_loss(record, Some(watch.node)));
     demand(wrong.is_none(), || {
         let expected =
             Allowed::OneOf(vec![Observation::Emcy(EmcyCode::HEARTBEAT), Observation::Emcy(EmcyCode::GENERIC)]);
-        let breach = Breach::new(WATCHED, "the EMCY for a lost node has a code that fits").expected(expected);
+        let breach = Breach::new(WATCHED, "the EMCY for a lost node has a matching error code").expected(expected);
         breach.found(observed(&signs.errors)).told(shown(&signs.errors))
     })
 }
 
-/// A node that is back is watched again. Where an EMCY reported the loss, EMCY 0000h reports the return.
+/// The device monitors a node again when it has returned. If the device reported the loss by EMCY, it reports the
+/// return by EMCY 0000h.
 #[case(id = "301/heartbeat-consumer/back", clause = "CiA 301 7.2.8.2.2.3", confidence = Cited, level = Must,
        needs = [HeartbeatConsumer], catches = [HeartbeatConsumerNotRearmed, EmcyResetMissing])]
 fn back(bench: &mut Bench<'_>) -> Judged {
@@ -303,7 +314,7 @@ fn back(bench: &mut Bench<'_>) -> Judged {
         let lost = signs(bench, CONSUMER_TIME.times(3))?;
         match noticed(WATCHED, &watch, &lost) {
             Err(Stop::Inconclusive(_)) if !is_first => {
-                let breach = Breach::new(WATCHED, "a node that is lost again is reported again, as the first time");
+                let breach = Breach::new(WATCHED, "a second loss of a node is reported like the first");
                 return bench.check(Err(Box::new(breach.expected("an EMCY").found(Observation::Silence))));
             }
             judged => judged?,
@@ -321,7 +332,7 @@ fn back(bench: &mut Bench<'_>) -> Judged {
     Ok(())
 }
 
-/// The return of a node that was missed is no error: a device that its master has made operational again stays so.
+/// The return of a lost node is no error: a device that its master has started again stays operational.
 #[case(id = "301/heartbeat-consumer/return", clause = "CiA 301 7.5.2.32", confidence = Cited, level = Must,
        needs = [HeartbeatConsumer], catches = [ConsumerReturnLeaves])]
 fn return_is_no_error(bench: &mut Bench<'_>) -> Judged {
@@ -334,13 +345,13 @@ fn return_is_no_error(bench: &mut Bench<'_>) -> Judged {
     beat(bench, watch.node)?;
     let lost = signs(bench, CONSUMER_TIME.times(3))?;
     if lost.left.is_none_or(|(_, state)| state != lost_in) {
-        let reason = Reason::new("the loss of a node shows in the state", lost_in.to_string(), lost.text());
+        let reason = Reason::new("the loss of a node changes the NMT state", lost_in.to_string(), lost.text());
         return Err(Stop::NotApplicable(reason));
     }
     operational(bench)?;
     let before = signs(bench, SHOWN_EVERY.times(2))?;
     demand(before.left.is_none(), || {
-        let breach = Breach::new(WATCHED, "a device that misses a node can be made operational");
+        let breach = Breach::new(WATCHED, "a device that has lost a node can be made operational");
         breach.expected(Observation::State(State::OPERATIONAL)).found(Observation::State(lost_in))
     })
     .or_inconclusive()?;
@@ -351,12 +362,12 @@ fn return_is_no_error(bench: &mut Bench<'_>) -> Judged {
     }
     bench.check(demand(left.is_none(), || {
         let found = left.map_or(State::OPERATIONAL, |(_, state)| state);
-        let breach = Breach::new(WATCHED, "an operational device stays so when a node that it missed is back");
+        let breach = Breach::new(WATCHED, "an operational device stays operational when a lost node returns");
         breach.expected(Observation::State(State::OPERATIONAL)).found(Observation::State(found))
     }))
 }
 
-/// Every entry of 1016h watches its node, the lowest and the highest node-ID among them.
+/// Every entry of 1016h monitors its node, including the lowest and the highest node-ID.
 #[case(id = "301/heartbeat-consumer/all-entries", clause = "CiA 301 7.5.2.19", confidence = Cited, level = Must,
        needs = [HeartbeatConsumer], catches = [HeartbeatConsumerFirstOnly, HeartbeatConsumerDeafToNodeOne])]
 fn all_entries(bench: &mut Bench<'_>) -> Judged {
@@ -382,8 +393,8 @@ fn all_entries(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// Several nodes are watched at once, and an entry that watches a node takes another time for it: each write is confirmed,
-/// and reads as it was written.
+/// The entries of 1016h monitor several nodes at the same time, and the time of an entry in use can be changed: the
+/// device confirms each write, and the entry reads back as written.
 #[case(id = "301/heartbeat-consumer/several", clause = "CiA 301 7.5.2.19", confidence = Cited, level = Must,
        needs = [HeartbeatConsumer], catches = [ConsumerEntriesExclude])]
 fn several(bench: &mut Bench<'_>) -> Judged {
@@ -399,13 +410,16 @@ fn several(bench: &mut Bench<'_>) -> Judged {
         let at = Multiplexer::new(object::CONSUMER_HEARTBEAT_TIME, sub);
         bench.each([5_000_u16, 60_000], |bench, time| {
             let value = entry(node, time);
-            bench.download(at, &value)?.under("while other entries watch other nodes").refused(Situation::Confirmed)?;
+            bench
+                .download(at, &value)?
+                .under("while other entries monitor other nodes")
+                .refused(Situation::Confirmed)?;
             bench.expect_unchanged(at, &value)
         })
     })
 }
 
-/// An entry whose time is 0 watches nobody.
+/// An entry whose time is 0 monitors no node.
 #[case(id = "301/heartbeat-consumer/off", clause = "CiA 301 7.5.2.19", confidence = Cited, level = Must,
        needs = [HeartbeatConsumer], catches = [HeartbeatConsumerNotStopped])]
 fn off(bench: &mut Bench<'_>) -> Judged {
@@ -416,10 +430,10 @@ fn off(bench: &mut Bench<'_>) -> Judged {
     beat(bench, node)?;
     bench.write(WATCHED, &entry(node, 0))?;
     let signs = signs(bench, Duration::from_millis(u64::from(LONG_MS) * 3 / 2))?;
-    bench.check(unnoticed_in_time("a node that is no longer watched is not missed", &signs))
+    bench.check(unnoticed_in_time("a node that is no longer monitored is not reported as lost", &signs))
 }
 
-/// The number of entries, 1016h:00, can't be written: abort 0601 0002h.
+/// Writing 1016h:00, the number of entries, is refused with abort 0601 0002h.
 #[case(id = "301/heartbeat-consumer/count", clause = "CiA 301 7.5.2.19", confidence = Cited, level = Must,
        needs = [HeartbeatConsumer], catches = [SdoReadOnlyWritable, SdoReadOnlyWrongCode], cct = "4.3")]
 fn count(bench: &mut Bench<'_>) -> Judged {
@@ -434,8 +448,8 @@ fn count(bench: &mut Bench<'_>) -> Judged {
     bench.expect_unchanged(multiplexer, &before)
 }
 
-/// An entry for a node-ID that does not exist, 0 or 128 to 255, is not used: it watches nobody. Where it is refused, that is
-/// with abort 0609 0030h.
+/// An entry for a node-ID that does not exist, 0 or 128 to 255, monitors no node. A device that refuses the entry does
+/// so with abort 0609 0030h.
 #[case(id = "301/heartbeat-consumer/no-node", clause = "CiA 301 7.5.2.19", confidence = Cited, level = Must,
        needs = [HeartbeatConsumer], catches = [HeartbeatConsumerWatchesEveryone, HeartbeatConsumerHangs])]
 fn no_node(bench: &mut Bench<'_>) -> Judged {
@@ -455,12 +469,13 @@ fn no_node(bench: &mut Bench<'_>) -> Judged {
         operational(bench)?;
         beat(bench, node)?;
         let signs = signs(bench, CONSUMER_TIME.times(3))?;
-        bench.check(unnoticed(WATCHED, format!("an entry for node-ID {unused} watches nobody"), &signs))
+        bench.check(unnoticed(WATCHED, format!("an entry for node-ID {unused} monitors no node"), &signs))
     })
 }
 
-/// Heartbeats of a watched node that have another length, or bit 7 set, and its boot-up message, do not disturb the
-/// device. Whether they count as a sign of life is noted: CiA 301 does not say.
+/// Heartbeats of a monitored node that have a wrong length or bit 7 set do not disturb the device, and neither does the
+/// boot-up message of that node. The case notes whether such messages count as a sign of life, because CiA 301 does not
+/// say.
 #[case(id = "301/heartbeat-consumer/malformed", clause = "CiA 301 7.2.8.3.2.2", confidence = Cited, level = Should,
        needs = [HeartbeatConsumer], catches = [HeartbeatConsumerCrashes])]
 fn malformed(bench: &mut Bench<'_>) -> Judged {

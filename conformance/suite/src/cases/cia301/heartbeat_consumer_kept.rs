@@ -14,7 +14,8 @@ use canvass_bus::observation::Observation;
 
 const WATCHED: Multiplexer = Multiplexer::new(object::CONSUMER_HEARTBEAT_TIME, 1);
 
-/// A node is watched while other objects are written too: it is missed after the consumer heartbeat time.
+/// Writes to other objects do not affect the monitoring of a node: the device detects the loss of the node after the
+/// consumer heartbeat time.
 #[case(id = "301/heartbeat-consumer/beside-writes", clause = "CiA 301 7.2.8.3.2.2", confidence = Cited, level = Must,
        needs = [HeartbeatConsumer, ScratchObject], catches = [HeartbeatConsumerRestartedByWrites])]
 fn beside_writes(bench: &mut Bench<'_>) -> Judged {
@@ -23,7 +24,7 @@ fn beside_writes(bench: &mut Bench<'_>) -> Judged {
     let mut scratches = bench.scratch_objects()?;
     scratches.retain(|scratch| is_apart(scratch.multiplexer.index.0));
     if scratches.is_empty() {
-        let reason = Reason::new("a parameter of something else can be written", "one", "none");
+        let reason = Reason::new("a parameter that does not affect monitoring can be written", "one", "none");
         return Err(Stop::NotApplicable(reason));
     }
     let watch = watch(bench)?;
@@ -36,8 +37,8 @@ fn beside_writes(bench: &mut Bench<'_>) -> Judged {
     noticed(WATCHED, &watch, &signs)
 }
 
-/// Heartbeats count in stopped, too: a watched node that the device first hears there is missed once the device is
-/// operational and the node silent.
+/// Heartbeats also count while the device is stopped: if the first heartbeat of a monitored node arrives then, the
+/// device detects the loss of the node once the device is operational and the node silent.
 #[case(id = "301/heartbeat-consumer/stopped", clause = "CiA 301 7.3.2.2.5", confidence = Cited, level = Should,
        needs = [HeartbeatConsumer], catches = [HeartbeatConsumerDeafWhenStopped])]
 fn heard_in_stopped(bench: &mut Bench<'_>) -> Judged {
@@ -55,8 +56,10 @@ fn heard_in_stopped(bench: &mut Bench<'_>) -> Judged {
     operational(bench)?;
     let took = bench.now().since(heard);
     demand(took < time, || {
-        let breach =
-            Breach::new(WATCHED, format!("the device is operational within {time}, before it misses the node"));
+        let breach = Breach::new(
+            WATCHED,
+            format!("the device is operational within {time}, before it detects the loss of the node"),
+        );
         breach.expected(format!("less than {time}")).found(Observation::Time(took))
     })
     .or_inconclusive()?;
@@ -71,7 +74,7 @@ fn heard_in_stopped(bench: &mut Bench<'_>) -> Judged {
     if let Err(Stop::Breach(_)) = noticed(WATCHED, &watch, &lost) {
         let reason = Reason::new(
             "the device reports the loss of a node that it monitors in operational",
-            "a loss that shows",
+            "a visible loss",
             lost.text(),
         );
         return Err(Stop::NotApplicable(reason));
@@ -80,7 +83,7 @@ fn heard_in_stopped(bench: &mut Bench<'_>) -> Judged {
     bench.check(Err(Box::new(unheard.told(found))))
 }
 
-/// An entry that was not stored is gone after reset communication, and with it what it watched.
+/// Reset communication removes an entry of 1016h that was not stored: the device no longer monitors its node.
 #[case(id = "301/heartbeat-consumer/reset", clause = "CiA 301 7.3.2.2.1", confidence = Cited, level = Must,
        needs = [HeartbeatConsumer], catches = [HeartbeatConsumerOutlivesReset])]
 fn reset(bench: &mut Bench<'_>) -> Judged {
@@ -93,7 +96,8 @@ fn reset(bench: &mut Bench<'_>) -> Judged {
     bench.reset(Command::RESET_COMMUNICATION)?;
     let now = bench.read(WATCHED)?;
     if now == own && bench.stores_by_itself()? {
-        let reason = Reason::new("a reset brings the power-on value of 1016h:01", "another value", "the one written");
+        let reason =
+            Reason::new("a reset restores the power-on value of 1016h:01", "another value", "the written value");
         return Err(Stop::NotApplicable(reason));
     }
     demand(now != own, || {
@@ -106,5 +110,5 @@ fn reset(bench: &mut Bench<'_>) -> Judged {
     let begun = bench.now();
     beat(bench, node)?;
     let signs = signs_since(bench, begun, CONSUMER_TIME.times(4))?;
-    bench.check(unnoticed(WATCHED, "a node that 1016h does not name any more is not missed", &signs))
+    bench.check(unnoticed(WATCHED, "a node that 1016h no longer contains is not reported as lost", &signs))
 }

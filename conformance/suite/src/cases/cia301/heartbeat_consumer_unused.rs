@@ -11,8 +11,8 @@ use canvass_traces::Duration;
 
 const WATCHED: Multiplexer = Multiplexer::new(object::CONSUMER_HEARTBEAT_TIME, 1);
 
-/// An entry with a node-ID and the time 0 is not used from the beginning: heartbeats of that node start nothing, and it is
-/// not missed.
+/// An entry with a node-ID and the time 0 is not used: heartbeats of that node do not start monitoring, and the device
+/// reports no loss of it.
 #[case(id = "301/heartbeat-consumer/time-zero", clause = "CiA 301 7.5.2.19", confidence = Cited, level = Must,
        needs = [HeartbeatConsumer], catches = [HeartbeatConsumerTimeZero])]
 fn time_zero(bench: &mut Bench<'_>) -> Judged {
@@ -25,7 +25,7 @@ fn time_zero(bench: &mut Bench<'_>) -> Judged {
     bench.each(["first", "second"], |bench, which| {
         beat(bench, node)?;
         let signs = signs(bench, Duration::from_millis(500))?;
-        let duty = format!("a node whose entry has the time 0 is not missed after its {which} heartbeat");
+        let duty = format!("a node whose entry has the time 0 is not reported as lost after its {which} heartbeat");
         bench.check(unnoticed(WATCHED, duty, &signs))
     })
 }

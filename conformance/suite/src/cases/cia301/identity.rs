@@ -13,7 +13,8 @@ const fn identity(sub: u8) -> Multiplexer {
     Multiplexer::new(object::IDENTITY, sub)
 }
 
-/// The vendor-ID 1018h:01 is the one that CiA gave the manufacturer, so never 0, and that of the description.
+/// The vendor-ID in 1018h:01 is the number that CiA assigned to the manufacturer: it is not 0, and it equals the
+/// vendor-ID of the description.
 #[case(id = "301/identity/vendor-id", clause = "CiA 301 7.5.2.21", confidence = Cited, level = Must,
        catches = [VendorIdZero, EdsVendorNumberDiffers])]
 fn vendor_id(bench: &mut Bench<'_>) -> Judged {
@@ -25,8 +26,8 @@ fn vendor_id(bench: &mut Bench<'_>) -> Judged {
     as_described(bench, identity(1), &value)
 }
 
-/// Product code and revision number, where 1018h has them, are those of the description. That one of them, or the serial
-/// number, is 0, which is reserved, is recorded.
+/// Product code and revision number, if 1018h has them, equal the values of the description. The case only records a
+/// value of 0, which is reserved, in product code, revision number or serial number.
 #[case(id = "301/identity/product", clause = "CiA 301 7.5.2.21", confidence = Cited, level = Must,
        needs = [Description], catches = [IdentityRevisionMissing])]
 fn product(bench: &mut Bench<'_>) -> Judged {
@@ -44,7 +45,8 @@ fn product(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// A device with LSS has all four parts of its LSS address: 1018h:01 to 1018h:04. CiA 301 leaves all but the first open.
+/// A device with LSS has all four parts of its LSS address: 1018h:01 to 1018h:04. CiA 301 requires only the first of
+/// them.
 #[case(id = "301/identity/lss-address", clause = "CiA 301 7.5.2.21", confidence = Cited, level = Open,
        needs = [Lss], catches = [IdentityRevisionMissing])]
 fn lss_address(bench: &mut Bench<'_>) -> Judged {
@@ -52,8 +54,8 @@ fn lss_address(bench: &mut Bench<'_>) -> Judged {
     bench.each(1..=4, |bench, sub| Ok(bench.upload(identity(sub))?.value().map(|_| ())?))
 }
 
-/// The device type 1000h names the device profile and is that of the description. Profile 0, none, leaves no room for
-/// additional information but 0 or FFFFh.
+/// The device type 1000h contains the device profile and equals the device type of the description. With profile 0 (no
+/// profile) its additional information is 0 or FFFFh.
 #[case(id = "301/identity/device-type", clause = "CiA 301 7.5.2.1", confidence = Cited, level = Must,
        needs = [Description], catches = [DeviceTypeProfileWrong, DeviceTypeTurnsWrong], cct = "2.1")]
 fn device_type(bench: &mut Bench<'_>) -> Judged {
@@ -63,12 +65,12 @@ fn device_type(bench: &mut Bench<'_>) -> Judged {
     bench.check(demand(is_legal, || {
         let breach =
             Breach::new(DEVICE_TYPE, "1000h is an UNSIGNED32, and without a profile its upper half is 0 or FFFFh");
-        breach.expected("4 bytes of that form").found(Observation::Value(value.clone()))
+        breach.expected("4 bytes in this form").found(Observation::Value(value.clone()))
     }))?;
     as_described(bench, DEVICE_TYPE, &value)
 }
 
-/// Every device has 1000h, 1001h and 1018h with at least the vendor-ID.
+/// Every device has 1000h, 1001h and 1018h, the latter with at least the vendor-ID.
 #[case(id = "301/identity/mandatory-objects", clause = "CiA 301 7.5.2.21", confidence = Cited, level = Must,
        catches = [ErrorRegisterMissing], cct = "1.0")]
 fn mandatory_objects(bench: &mut Bench<'_>) -> Judged {
@@ -84,7 +86,7 @@ fn mandatory_objects(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// Device name, hardware version and software version are VISIBLE_STRINGs: of their bytes each is 00h or 20h to 7Eh.
+/// Device name, hardware version and software version are of type VISIBLE_STRING: each byte is 00h or 20h to 7Eh.
 #[case(id = "301/identity/names", clause = "CiA 301 7.1.6.3", confidence = Cited, level = Must,
        needs = [Name], catches = [DeviceNameWithGarbage])]
 fn names(bench: &mut Bench<'_>) -> Judged {
@@ -111,7 +113,7 @@ fn as_described(bench: &mut Bench<'_>, multiplexer: Multiplexer, value: &[u8]) -
     let general = vendor.map(i128::from);
     bench.each([default, general].into_iter().flatten(), |bench, described| {
         bench.check(demand(described == i128::from(number(value)), || {
-            Breach::new(multiplexer, "the identity of the device is that of its description")
+            Breach::new(multiplexer, "the identity of the device equals that of its description")
                 .expected(format!("{described:08X}h"))
                 .found(Observation::Value(value.to_vec()))
         }))

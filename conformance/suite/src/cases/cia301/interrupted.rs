@@ -31,36 +31,37 @@ fn stop_in_upload(bench: &mut Bench<'_>) -> Result<(Multiplexer, Vec<u8>), Stop>
     let heard = bench.listen(bench.silence())?;
     let late = heard.into_iter().map(|record| record.frame).find(|frame| frame.cob_id() == Some(response_id));
     bench.check(late.map_or(Ok(()), |frame| {
-        let breach = Breach::new(Service::Sdo, "a request in stopped is not answered after it, either");
+        let breach =
+            Breach::new(Service::Sdo, "a request in stopped is not answered after the device has left stopped either");
         Err(Box::new(breach.expected(Observation::Silence).found(Observation::Frame(frame))))
     }))?;
     Ok((multiplexer, right))
 }
 
-/// In the middle of a segmented upload stop ends the service: the next segment is not answered, not even once the device
-/// has left stopped, and a new upload then gives the whole value.
+/// Stop remote node ends the SDO service during a segmented upload: the device does not answer the next segment
+/// request, not even after it has left stopped, and a new upload returns the whole value.
 #[case(id = "301/state/stopped/running-upload", clause = "CiA 301 7.3.2.2.5", confidence = Cited, level = Must,
        needs = [SegmentedUpload], catches = [SdoAnsweredWhenStopped])]
 fn stopped(bench: &mut Bench<'_>) -> Judged {
     let (multiplexer, right) = stop_in_upload(bench)?;
-    bench.expect_value(multiplexer, &right, "a new upload gives the whole value")
+    bench.expect_value(multiplexer, &right, "a new upload returns the whole value")
 }
 
-/// A segmented upload that stop interrupted is over: a request for its next segment is refused with abort 0504 0001h, or
-/// not answered. The standard does not name stop among what ends a transfer.
+/// Stop remote node ends a segmented upload: a request for its next segment is refused with abort 0504 0001h, or not
+/// answered. The standard does not list stop remote node among the events that end a transfer.
 #[case(id = "301/state/stopped/upload-ends", clause = "CiA 301 7.2.4.3.5", confidence = Cited, level = Open,
        needs = [SegmentedUpload], catches = [SdoTransferSurvivesStop])]
 fn upload_ends(bench: &mut Bench<'_>) -> Judged {
     let (multiplexer, _) = stop_in_upload(bench)?;
-    let reply = bench.exchange(&NEXT, "request for a segment of the upload from before")?;
+    let reply = bench.exchange(&NEXT, "request for a segment of the interrupted upload")?;
     bench.check(demand(reply.abort().is_some() || reply.response.is_none(), || {
         let breach = Breach::new(multiplexer, "stop has ended the upload").expected("abort 0504 0001h or no answer");
         breach.found(reply.observation()).told(reply.actual())
     }))
 }
 
-/// Reset communication in the middle of a block download ends it: the device boots, the object has its value of
-/// power-on, and a new transfer works.
+/// Reset communication ends a block download: the device starts, the object has its power-on value, and a new transfer
+/// works.
 #[case(id = "301/boot-up/running-download", clause = "CiA 301 7.3.2.2.1", confidence = Cited, level = Must,
        needs = [BlockDownload], catches = [SdoTransferSurvivesReset, SdoBlockDownloadRefused])]
 fn reset(bench: &mut Bench<'_>) -> Judged {
@@ -99,7 +100,7 @@ fn nothing_since(bench: &Bench<'_>, arrived: Timestamp, booted: Option<Timestamp
     let response = said.find(|record| survives(record, booted)).map(|record| record.frame);
     demand(response.is_none(), || {
         let found = response.map_or(Observation::Silence, Observation::Frame);
-        let breach = Breach::new(Service::Sdo, "a reset ends a transfer, of which nothing more is heard");
+        let breach = Breach::new(Service::Sdo, "a reset ends a transfer, and no message of it follows");
         breach.expected(Observation::Silence).found(found)
     })
 }

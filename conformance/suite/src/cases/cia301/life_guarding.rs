@@ -45,7 +45,8 @@ fn life_time(bench: &mut Bench<'_>, guard_ms: u16, factor: u8) -> Result<LifeTim
     let guard = Duration::from_millis(u64::from(bench.read_number(GUARD_TIME)?));
     let life_time = LifeTime { guard, factor: u64::from(bench.read_number(LIFE_TIME_FACTOR)?), is_settable };
     if life_time.whole() == Duration::ZERO {
-        let reason = Reason::new("the device can watch its master", "100Ch and 100Dh other than 0", "0, and read-only");
+        let reason =
+            Reason::new("the device can monitor its master", "100Ch and 100Dh other than 0", "0, and read-only");
         return Err(Stop::NotApplicable(reason));
     }
     Ok(life_time)
@@ -96,12 +97,13 @@ fn watches_at_all(life_time: LifeTime, found: &Observation) -> Judged {
     if life_time.is_settable || *found != Observation::State(State::OPERATIONAL) {
         return Ok(());
     }
-    let reason = Reason::new("the device watches its master", "100Ch and 100Dh rw, or a reaction", "ro, and none");
+    let reason = Reason::new("the device monitors its master", "100Ch and 100Dh rw, or a reaction", "ro, and none");
     Err(Stop::NotApplicable(reason))
 }
 
-/// A master that has guarded once and then falls silent is missed after guard time times life time factor: an operational
-/// device leaves operational then, unless 1029h:01 says otherwise. Where an EMCY says so, it comes at that time.
+/// When a master that has guarded the device falls silent, the device detects the loss after guard time multiplied by
+/// life time factor. An operational device then leaves operational, unless 1029h:01 demands otherwise; an EMCY that
+/// reports the loss comes at that time.
 #[case(id = "301/life-guarding/time", clause = "CiA 301 7.2.8.3.2.1", confidence = Cited, level = Must,
        needs = [Guarding], catches = [LifeTimeFactorOffByOne, LifeTimeFactorIgnored], cct = "7.6")]
 fn time(bench: &mut Bench<'_>) -> Judged {
@@ -122,7 +124,7 @@ fn time(bench: &mut Bench<'_>) -> Judged {
     }
     let found = bench.guard()?.map_or(Observation::Silence, Observation::State);
     let Some(right) = enters else {
-        let reason = Reason::new("the loss of the master shows", "an EMCY, or 1029h:01 of 0 or 2", "neither");
+        let reason = Reason::new("the loss of the master is visible", "an EMCY, or 1029h:01 of 0 or 2", "neither");
         return Err(Stop::Inconclusive(reason));
     };
     watches_at_all(life_time, &found)?;
@@ -132,13 +134,14 @@ fn time(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// A device that is operational when its master is lost becomes pre-operational, unless 1029h:01 says otherwise.
+/// An operational device that loses its master enters pre-operational, unless 1029h:01 demands otherwise.
 #[case(id = "301/life-guarding/state", clause = "CiA 301 7.5.2.32", confidence = Cited, level = Must,
        needs = [Guarding], catches = [ErrorBehaviourIgnored], cct = "9.3")]
 fn state(bench: &mut Bench<'_>) -> Judged {
     let life_time = life_time(bench, 100, 2)?;
     let Some(right) = after_a_loss(bench)? else {
-        let reason = Reason::new("operational is left on an error", "1029h:01 of 0 or 2", "another value, read-only");
+        let reason =
+            Reason::new("the device leaves operational on an error", "1029h:01 of 0 or 2", "another value, read-only");
         return Err(Stop::NotApplicable(reason));
     };
     operational(bench)?;
@@ -152,7 +155,8 @@ fn state(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// When the master guards again, EMCY 0000h says that the error is gone, and the error register is as before.
+/// When the master guards again, the device reports the end of the error by EMCY 0000h, and the error register has its
+/// previous value.
 #[case(id = "301/life-guarding/recovery", clause = "CiA 301 7.2.7.1", confidence = Cited, level = Must,
        needs = [Guarding], catches = [ErrorRegisterStuck, EmcyResetMissing])]
 fn recovery(bench: &mut Bench<'_>) -> Judged {
@@ -172,7 +176,7 @@ fn recovery(bench: &mut Bench<'_>) -> Judged {
     // reported it.
     let register = bench.read(ERROR_REGISTER)?;
     bench.check(demand(register == before, || {
-        Breach::new(ERROR_REGISTER, "the error register is as before when the error is gone")
+        Breach::new(ERROR_REGISTER, "the error register has its previous value when the error is gone")
             .expected(Observation::Value(before.clone()))
             .found(Observation::Value(register))
     }))?;
@@ -191,7 +195,7 @@ fn recovery(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// With a guard time or life time factor of 0 the master is not watched.
+/// With a guard time or life time factor of 0 the device does not monitor its master.
 #[case(id = "301/life-guarding/off", clause = "CiA 301 7.5.2.11", confidence = Cited, level = Must,
        needs = [Guarding], catches = [LifeGuardingNotStopped], cct = "7.1")]
 fn off(bench: &mut Bench<'_>) -> Judged {
@@ -206,11 +210,11 @@ fn off(bench: &mut Bench<'_>) -> Judged {
         guard(bench)?;
         bench.write(multiplexer, zero)?;
         let lost = next_error(bench, life_time.whole() + life_time.guard)?;
-        not_missed(bench, &format!("with {multiplexer} = 0 the master is not watched"), lost)
+        not_missed(bench, &format!("with {multiplexer} = 0 the master is not monitored"), lost)
     })
 }
 
-/// The master is watched from its first remote frame on: before that it can't be lost.
+/// The device monitors its master from the first remote frame on: before that frame it reports no loss.
 #[case(id = "301/life-guarding/first-request", clause = "CiA 301 7.2.8.2.2", confidence = Cited, level = Must,
        needs = [Guarding], catches = [LifeGuardingStartsAtOnce])]
 fn first_request(bench: &mut Bench<'_>) -> Judged {
@@ -219,5 +223,5 @@ fn first_request(bench: &mut Bench<'_>) -> Judged {
     let life_time = life_time(bench, 100, 2)?;
     operational(bench)?;
     let lost = next_error(bench, life_time.whole().times(2))?;
-    not_missed(bench, "a master that has not guarded yet is not missed", lost)
+    not_missed(bench, "a master that has not guarded yet is not reported as lost", lost)
 }

@@ -12,7 +12,7 @@ use canvass_analyzer::{CobId, Multiplexer};
 /// A CAN-ID that belongs to no predefined object and that CiA 301 does not restrict.
 const FREE: u32 = 0x6A0;
 
-/// The CAN-ID of a PDO that is valid does not change: the write is refused, and the COB-ID stays.
+/// The CAN-ID of a valid PDO does not change: the device refuses the write, and the COB-ID keeps its value.
 #[case(id = "301/pdo/cob-id/valid", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Must,
        needs = [Tpdo, DynamicMapping], catches = [CobIdChangeWhileValid])]
 fn valid(bench: &mut Bench<'_>) -> Judged {
@@ -23,9 +23,9 @@ fn valid(bench: &mut Bench<'_>) -> Judged {
     bench.expect_unchanged(TPDO_COB_ID, &before)
 }
 
-/// Restricted CAN-IDs are refused for PDOs and SYNC.
+/// The device refuses restricted CAN-IDs for PDOs and SYNC.
 ///
-/// A sample of the 797 is written; in an exhaustive run all of them.
+/// The case writes a sample of the 797 restricted CAN-IDs, and all of them in an exhaustive run.
 #[case(id = "301/pdo/cob-id/restricted", clause = "CiA 301 7.3.5", confidence = Cited, level = Must,
        needs = [Tpdo, DynamicMapping], catches = [RestrictedCanIdAccepted], cct = "8.10")]
 fn restricted(bench: &mut Bench<'_>) -> Judged {

@@ -38,7 +38,7 @@ fn valid_pdos(bench: &mut Bench<'_>) -> Result<Vec<Pdo>, Stop> {
     }
 }
 
-/// The CAN-ID of no valid PDO changes: each write is refused, and the COB-ID stays.
+/// The CAN-IDs of all valid PDOs do not change: the device refuses each write, and the COB-IDs keep their values.
 #[case(id = "301/pdo/cob-id/every-valid", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Must,
        needs = [Description], catches = [CobIdChangeWhileValid, PdoRulesFirstOnly])]
 fn every_cob_id(bench: &mut Bench<'_>) -> Judged {
@@ -52,9 +52,9 @@ fn every_cob_id(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// The mapping of no valid PDO changes.
+/// The mappings of all valid PDOs do not change.
 ///
-/// CiA 301 prescribes the order in which a PDO is mapped anew, and leaves it to the device what it refuses out of order.
+/// CiA 301 prescribes the order in which a PDO is remapped; the device decides which out-of-order step it refuses.
 #[case(id = "301/pdo/mapping/every-valid", clause = "CiA 301 7.5.2.38", confidence = Cited, level = Should,
        needs = [Description], catches = [MappingChangeWhileValid, PdoRulesFirstOnly])]
 fn every_mapping(bench: &mut Bench<'_>) -> Judged {
@@ -72,8 +72,9 @@ fn every_mapping(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// While a PDO is off, its inhibit time, event timer and SYNC start value take other values, and read as they were written:
-/// those of each TPDO that the description calls writable, within the limits that it names.
+/// Inhibit time, event timer and SYNC start value of a TPDO can be changed while the TPDO is switched off, and read
+/// back as written. The case tries each of them that the description calls writable, within the limits of the
+/// description.
 #[case(id = "301/pdo/parameters-while-off", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Must,
        needs = [Description], catches = [PdoTimesRefused])]
 fn parameters_while_off(bench: &mut Bench<'_>) -> Judged {

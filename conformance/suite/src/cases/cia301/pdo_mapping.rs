@@ -8,9 +8,9 @@ use crate::situation::Situation;
 use crate::verdict::{Judged, Precondition, Reason, Stop};
 use canvass_analyzer::wire::sdo::AbortCode;
 
-/// The mapping of a PDO that is valid can't be changed, and stays as it is.
+/// The mapping of a valid PDO can't be changed, and keeps its value.
 ///
-/// CiA 301 prescribes the order in which a PDO is mapped anew, and leaves it to the device what it refuses out of order.
+/// CiA 301 prescribes the order in which a PDO is remapped; the device decides which out-of-order step it refuses.
 #[case(id = "301/pdo/mapping/valid", clause = "CiA 301 7.5.2.38", confidence = Cited, level = Should,
        needs = [Tpdo, DynamicMapping], catches = [MappingChangeWhileValid], cct = "3.24")]
 fn valid(bench: &mut Bench<'_>) -> Judged {
@@ -20,7 +20,8 @@ fn valid(bench: &mut Bench<'_>) -> Judged {
     bench.expect_unchanged(TPDO_MAPPED, &before)
 }
 
-/// A mapping of more than 64 bits is refused with abort 0602 0000h or 0604 0042h: that of each of the first four TPDOs.
+/// The device refuses a mapping of more than 64 bits with abort 0602 0000h or 0604 0042h. The case tries the mappings
+/// of the first four TPDOs.
 #[case(id = "301/pdo/mapping/too-long", clause = "CiA 301 7.5.2.38", confidence = Cited, level = Must,
        needs = [Tpdo, DynamicMapping], catches = [MappingTooLongAccepted], cct = "3.26",
        answers = [MappingEntryTooLong, MappingRefused])]
@@ -72,8 +73,8 @@ fn map_too_much(bench: &mut Bench<'_>, pdo: Pdo, entry: &[u8], needed: u8) -> Ju
     bench.check(attempt.refused(Situation::MappingRefused))
 }
 
-/// An object that is not for PDOs can't be mapped: abort 0602 0000h or 0604 0041h for its entry, or 0602 0000h or 0604 0042h
-/// when the mapping is switched on.
+/// An object that is not PDO-mappable can't be mapped: the device refuses its entry with abort 0602 0000h or 0604
+/// 0041h, or refuses to enable the mapping with abort 0602 0000h or 0604 0042h.
 #[case(id = "301/pdo/mapping/unmappable", clause = "CiA 301 7.5.2.38", confidence = Cited, level = Must,
        needs = [Tpdo, DynamicMapping], catches = [UnmappableObjectMapped], cct = "3.29",
        answers = [MappingRefused])]

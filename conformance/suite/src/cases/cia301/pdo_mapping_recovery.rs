@@ -40,9 +40,11 @@ fn try_entries(bench: &mut Bench<'_>, entries: &[u32]) -> Result<Attempt, Stop> 
     bench.download(TPDO.entry(0), &[count])
 }
 
-/// An entry that takes more bits than its object has is refused. Whether one with fewer bits is accepted is noted.
+/// A mapping entry with more bits than its object has is refused. The case notes whether an entry with fewer bits is
+/// accepted.
 ///
-/// A wrong length is a reason to refuse that CiA 301 names; but the length only *may* be used to verify the mapping.
+/// CiA 301 names a wrong length as a reason to refuse an entry, but says only that a device *may* use the length to
+/// verify the mapping.
 #[case(id = "301/pdo/mapping/other-length", clause = "CiA 301 7.5.2.38", confidence = Cited, level = Should,
        needs = [EventTimer, DynamicMapping], catches = [MappingLengthUnchecked])]
 fn other_length(bench: &mut Bench<'_>) -> Judged {
@@ -54,21 +56,23 @@ fn other_length(bench: &mut Bench<'_>) -> Judged {
     }
     let longer = Mapped { bits: first.bits.saturating_add(8).min(64), ..first };
     if longer.bits == first.bits {
-        let reason = Reason::new("a mapped object can be mapped longer than it is", "fewer than 64 bits", "64 bits");
+        let reason =
+            Reason::new("a mapped object can be mapped with more bits than it has", "fewer than 64 bits", "64 bits");
         return Err(Stop::NotApplicable(reason));
     }
     let attempt = try_entry(bench, longer.entry())?;
     bench.check(attempt.refused(Situation::UnsupportedMapping))
 }
 
-/// Sub-index 0 can't count an entry that is 0, alone, before or after another: that, or the entry, is refused.
+/// A mapping entry of 0 can't be counted by sub-index 0, whether it is the only entry, the first or the second: the
+/// device refuses the entry or the count.
 #[case(id = "301/pdo/mapping/empty-entry", clause = "CiA 301 7.5.2.38", confidence = Cited, level = Should,
        needs = [EventTimer, DynamicMapping], catches = [EmptyEntryMapped, LaterEmptyEntryMapped])]
 fn empty_entry(bench: &mut Bench<'_>) -> Judged {
     let first = first_mapped(bench)?.entry();
     let has_second = bench.has(TPDO.entry(2))?;
     let mappings: [(&str, &[u32]); 3] =
-        [("alone", &[0]), ("after a right one", &[first, 0]), ("before a right one", &[0, first])];
+        [("alone", &[0]), ("after a valid entry", &[first, 0]), ("before a valid entry", &[0, first])];
     bench.each(mappings.into_iter().take(if has_second { 3 } else { 1 }), |bench, (place, entries)| {
         let mut attempt = try_entries(bench, entries)?;
         attempt.what = format!("mapping of an empty entry {place}");
@@ -76,7 +80,7 @@ fn empty_entry(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// A device whose description gives it a granularity of whole bytes refuses to map single bits of an object.
+/// A device whose description gives a granularity of whole bytes refuses to map single bits of an object.
 #[case(id = "301/pdo/mapping/granularity", clause = "CiA 301 7.5.2.38", confidence = Cited, level = Should,
        needs = [EventTimer, DynamicMapping, Description], catches = [MappingLengthUnchecked])]
 fn granularity(bench: &mut Bench<'_>) -> Judged {
@@ -94,7 +98,8 @@ fn granularity(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// After a new mapping was refused, whatever the step, the old one can be written again and the PDO is sent as before.
+/// After the device has refused a new mapping, in whichever step, the old mapping can be written again, and the PDO is
+/// sent as before.
 #[case(id = "301/pdo/mapping/recovery", clause = "CiA 301 7.5.2.38", confidence = Cited, level = Must,
        needs = [EventTimer, DynamicMapping], catches = [MappingFailureWedges])]
 fn recovery(bench: &mut Bench<'_>) -> Judged {

@@ -13,7 +13,8 @@ use canvass_bus::client::sdo::Bytes;
 use canvass_bus::observation::Observation;
 use canvass_traces::Duration;
 
-/// The mapping as delivered names objects that exist, are for PDOs, have the length that it says, and fit into 8 bytes.
+/// Each default mapping entry names an object that exists, can be mapped and has the given length, and the entries fit
+/// into 8 bytes.
 #[case(id = "301/pdo/mapping/default", clause = "CiA 301 7.5.2.38", confidence = Cited, level = Must,
        needs = [Tpdo, Description], catches = [DefaultMappingWrong], cct = "3.21")]
 fn default(bench: &mut Bench<'_>) -> Judged {
@@ -29,7 +30,7 @@ fn well_mapped(bench: &mut Bench<'_>, pdo: Pdo) -> Judged {
     let mapping = bench.mapping(pdo)?;
     let bits: u32 = mapping.iter().map(|mapped| u32::from(mapped.bits)).sum();
     bench.check(demand(bits <= 64, || {
-        let breach = Breach::new(pdo.entry(0), "a PDO maps what a frame can hold").expected("64 bits at most");
+        let breach = Breach::new(pdo.entry(0), "the objects of a PDO fit into a frame").expected("64 bits at most");
         breach.found(Observation::Number(u64::from(bits)))
     }))?;
     let entries = (1..=u8::MAX).zip(mapping).filter(|(_, mapped)| mapped.at.index.0 >= 0x20);
@@ -37,23 +38,23 @@ fn well_mapped(bench: &mut Bench<'_>, pdo: Pdo) -> Judged {
         let described = bench.target().description.as_ref();
         let entry = described.and_then(|description| description.dictionary.entry(mapped.at).ok());
         let found = match entry {
-            None => Observation::named("an object that the description does not name"),
-            Some(entry) if !entry.pdo_mappable => Observation::named("an object that is not for PDOs"),
+            None => Observation::named("an object that is missing in the description"),
+            Some(entry) if !entry.pdo_mappable => Observation::named("an object that is not PDO-mappable"),
             Some(entry) if entry.data_type.bits().is_some_and(|bits| bits != u32::from(mapped.bits)) => {
                 Observation::Number(u64::from(mapped.bits))
             }
             Some(_) => return Ok(()),
         };
-        let duty = format!("{} is mapped with its length in bits, and is an object for PDOs", mapped.at);
+        let duty = format!("{} is PDO-mappable, and mapped with its length in bits", mapped.at);
         let expected = entry.and_then(|entry| entry.data_type.bits()).map(|bits| Observation::Number(u64::from(bits)));
-        let breach = Breach::new(pdo.entry(sub), duty).expected("an object for PDOs").found(found);
+        let breach = Breach::new(pdo.entry(sub), duty).expected("a PDO-mappable object").found(found);
         let breach = expected.into_iter().fold(breach, Breach::expected);
         bench.check(Err(Box::new(breach)))
     })
 }
 
-/// The mapping that a PDO has can be written again, in the five steps of CiA 301; one that maps nothing as delivered takes
-/// an object that the description lets it carry.
+/// The current mapping of a PDO can be written again in the five steps of CiA 301. A PDO that maps nothing as delivered
+/// accepts an object that the description allows in it.
 #[case(id = "301/pdo/mapping/procedure", clause = "CiA 301 7.5.2.38", confidence = Cited, level = Must,
        needs = [DynamicMapping], catches = [MappingProcedureRefused, SameCobIdRefused, PdoOffRefused], cct = "3.22")]
 fn procedure(bench: &mut Bench<'_>) -> Judged {
@@ -70,13 +71,13 @@ fn procedure(bench: &mut Bench<'_>) -> Judged {
     }
     let after = bench.mapping(TPDO)?;
     bench.check(demand(after.len() == before.len(), || {
-        let breach = Breach::new(TPDO.entry(0), "the mapping counts what was written");
+        let breach = Breach::new(TPDO.entry(0), "the mapping has the number of entries that was written");
         breach.expected(Observation::Number(before.len() as u64)).found(Observation::Number(after.len() as u64))
     }))?;
     bench.each((1..=u8::MAX).zip(before.into_iter().zip(after)), |bench, (sub, (written, now))| {
         bench.check(demand(written == now, || {
             let value = |mapped: Mapped| Observation::Value(mapped.entry().to_le_bytes().to_vec());
-            let breach = Breach::new(TPDO.entry(sub), "the mapping is as it was written");
+            let breach = Breach::new(TPDO.entry(sub), "the mapping reads back as written");
             breach.expected(value(written)).found(value(now))
         }))
     })
@@ -126,9 +127,9 @@ fn layout(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// The entries of a mapping can't be changed while sub-index 0 counts them.
+/// A mapping entry can't be changed while sub-index 0 counts it.
 ///
-/// CiA 301 prescribes the order in which a PDO is mapped anew, and leaves it to the device what it refuses out of order.
+/// CiA 301 prescribes the order in which a PDO is remapped; the device decides which out-of-order step it refuses.
 #[case(id = "301/pdo/mapping/entry-in-use", clause = "CiA 301 7.5.2.38", confidence = Cited, level = Should,
        needs = [Tpdo, DynamicMapping], catches = [MappingChangeWhileValid], cct = "3.23")]
 fn entry_in_use(bench: &mut Bench<'_>) -> Judged {
@@ -140,7 +141,7 @@ fn entry_in_use(bench: &mut Bench<'_>) -> Judged {
     bench.expect_unchanged(TPDO.entry(1), &before)
 }
 
-/// The numbers of mapped objects that are reserved, 65 to 253, are refused with abort 0602 0000h or 0604 0042h.
+/// The device refuses the reserved numbers of mapped objects, 65 to 253, with abort 0602 0000h or 0604 0042h.
 #[case(id = "301/pdo/mapping/count", clause = "CiA 301 7.5.2.38", confidence = Cited, level = Must,
        needs = [Tpdo, DynamicMapping], catches = [MappingCountUnchecked], cct = "3.25")]
 fn count(bench: &mut Bench<'_>) -> Judged {
@@ -151,7 +152,7 @@ fn count(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// An object that does not exist can't be mapped: abort 0602 0000h or 0604 0041h.
+/// Mapping an object that does not exist is refused with abort 0602 0000h or 0604 0041h.
 #[case(id = "301/pdo/mapping/missing", clause = "CiA 301 7.5.2.38", confidence = Cited, level = Must,
        needs = [Tpdo, DynamicMapping], catches = [MissingObjectMapped, SdoNoObjectSilent],
        answers = [MappingRefused])]
@@ -159,7 +160,7 @@ fn missing(bench: &mut Bench<'_>) -> Judged {
     refused(bench, TPDO, 0xFFFF_0020, Situation::Unmappable)
 }
 
-/// A sub-index that an object does not have can't be mapped: abort 0602 0000h or 0604 0041h.
+/// Mapping a sub-index that does not exist is refused with abort 0602 0000h or 0604 0041h.
 #[case(id = "301/pdo/mapping/missing-sub-index", clause = "CiA 301 7.5.2.38", confidence = Cited, level = Must,
        needs = [Tpdo, DynamicMapping], catches = [MissingObjectMapped, SdoNoObjectSilent],
        answers = [MappingRefused])]
@@ -173,9 +174,9 @@ fn missing_sub_index(bench: &mut Bench<'_>) -> Judged {
     refused(bench, TPDO, entry, Situation::UnmappableEntry)
 }
 
-/// Dummy entries, which fill gaps in RPDOs, can't be mapped into a TPDO: abort 0602 0000h or 0604 0041h.
+/// Mapping a dummy entry, which fills a gap in an RPDO, into a TPDO is refused with abort 0602 0000h or 0604 0041h.
 ///
-/// CiA 301 speaks of them for RPDOs only.
+/// CiA 301 describes dummy entries for RPDOs only.
 #[case(id = "301/pdo/mapping/dummy-in-tpdo", clause = "CiA 301 7.5.2.36", confidence = Cited, level = Should,
        needs = [Tpdo, DynamicMapping], catches = [DummyMappedIntoTpdo],
        answers = [MappingRefused])]
@@ -183,7 +184,7 @@ fn dummy_in_tpdo(bench: &mut Bench<'_>) -> Judged {
     refused(bench, TPDO, 0x0005_0008, Situation::Unmappable)
 }
 
-/// Dummy entries that the description allows can be mapped into an RPDO, others can't.
+/// An RPDO accepts the dummy entries that the description allows, and refuses all others.
 #[case(id = "301/pdo/mapping/dummy-in-rpdo", clause = "CiA 301 7.5.2.36", confidence = Cited, level = Should,
        needs = [RpdoMapping, Description], catches = [DummyRefused], cct = "3.33",
        answers = [MappingRefused])]
@@ -203,7 +204,7 @@ fn dummy_in_rpdo(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// An object that the description does not let a PDO carry can't be mapped into an RPDO, though SDOs write it.
+/// An object that the description excludes from PDOs can't be mapped into an RPDO, even if SDO downloads can write it.
 #[case(id = "301/pdo/mapping/unmappable-in-rpdo", clause = "CiA 301 7.5.2.36", confidence = Cited, level = Must,
        needs = [RpdoMapping, Description], catches = [UnmappableObjectMapped], answers = [MappingRefused])]
 fn unmappable_in_rpdo(bench: &mut Bench<'_>) -> Judged {
@@ -230,7 +231,7 @@ fn unmappable_in_rpdo(bench: &mut Bench<'_>) -> Judged {
     }
 }
 
-/// An object that can only be read can't be mapped into an RPDO: abort 0602 0000h or 0604 0041h.
+/// Mapping a read-only object into an RPDO is refused with abort 0602 0000h or 0604 0041h.
 #[case(id = "301/pdo/mapping/read-only-in-rpdo", clause = "CiA 301 7.5.1", confidence = Cited, level = Must,
        needs = [RpdoMapping], catches = [MappingDirectionUnchecked], cct = "3.28",
        answers = [MappingRefused])]
@@ -244,7 +245,7 @@ fn read_only_in_rpdo(bench: &mut Bench<'_>) -> Judged {
     refused(bench, RPDO, object.entry(), Situation::WrongDirection)
 }
 
-/// An object that is for RPDOs only can't be mapped into a TPDO: abort 0602 0000h or 0604 0041h.
+/// Mapping an object that is for RPDOs only into a TPDO is refused with abort 0602 0000h or 0604 0041h.
 #[case(id = "301/pdo/mapping/rpdo-object-in-tpdo", clause = "CiA 301 7.5.1", confidence = Cited, level = Must,
        needs = [RpdoMapping, DynamicMapping], catches = [MappingDirectionUnchecked], cct = "3.31",
        answers = [MappingRefused])]
@@ -257,7 +258,7 @@ fn rpdo_object_in_tpdo(bench: &mut Bench<'_>) -> Judged {
     refused(bench, TPDO, object.entry(), Situation::WrongDirection)
 }
 
-/// Every object that the description lets a TPDO carry can be mapped.
+/// Every object that the description allows in a TPDO can be mapped.
 #[case(id = "301/pdo/mapping/every-tpdo-object", clause = "CiA 301 7.5.2.38", confidence = Cited, level = Must,
        needs = [Tpdo, DynamicMapping, Description], catches = [MappingProcedureRefused], cct = "3.30")]
 fn every_tpdo_object(bench: &mut Bench<'_>) -> Judged {
@@ -265,7 +266,7 @@ fn every_tpdo_object(bench: &mut Bench<'_>) -> Judged {
     every_object(bench, TPDO, &objects)
 }
 
-/// Every object that the description lets an RPDO carry can be mapped.
+/// Every object that the description allows in an RPDO can be mapped.
 #[case(id = "301/pdo/mapping/every-rpdo-object", clause = "CiA 301 7.5.2.36", confidence = Cited, level = Must,
        needs = [RpdoMapping, Description], catches = [MappingProcedureRefused], cct = "3.27")]
 fn every_rpdo_object(bench: &mut Bench<'_>) -> Judged {
@@ -290,9 +291,9 @@ fn every_object(bench: &mut Bench<'_>, pdo: Pdo, objects: &[Mapped]) -> Judged {
     })
 }
 
-/// The mapping of an RPDO that is valid can't be changed, and stays as it is.
+/// The mapping of a valid RPDO can't be changed, and keeps its value.
 ///
-/// CiA 301 prescribes the order in which a PDO is mapped anew, and leaves it to the device what it refuses out of order.
+/// CiA 301 prescribes the order in which a PDO is remapped; the device decides which out-of-order step it refuses.
 #[case(id = "301/rpdo/mapping/valid", clause = "CiA 301 7.5.2.36", confidence = Cited, level = Should,
        needs = [RpdoMapping], catches = [MappingChangeWhileValid], cct = "3.24")]
 fn rpdo_valid(bench: &mut Bench<'_>) -> Judged {

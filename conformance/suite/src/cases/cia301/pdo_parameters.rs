@@ -41,7 +41,7 @@ fn counted(duty: impl Into<String>, least: u64, most: Option<u64>, found: u64) -
     Breach::new(TPDO.subject(), duty.into()).expected(expected).found(Observation::Count(found))
 }
 
-/// Sub-index 0 of a communication parameter names its highest sub-index, 2 to 6, and can't be written.
+/// Sub-index 0 of a PDO communication parameter holds its highest sub-index, 2 to 6, and can't be written.
 #[case(id = "301/pdo/parameter-count", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Must,
        catches = [SdoReadOnlyWritable, SdoReadOnlyWrongCode], cct = "3.1")]
 fn parameter_count(bench: &mut Bench<'_>) -> Judged {
@@ -49,7 +49,7 @@ fn parameter_count(bench: &mut Bench<'_>) -> Judged {
     bench.each(pdos, |bench, (pdo, _)| {
         let value = bench.upload(pdo.parameter(0))?.value()?;
         bench.check(demand(matches!(value.as_slice(), [2..=6]), || {
-            let breach = Breach::new(pdo.parameter(0), "sub-index 0 names the highest sub-index");
+            let breach = Breach::new(pdo.parameter(0), "sub-index 0 holds the highest sub-index");
             breach.expected("one byte, 2 to 6").found(Observation::Value(value.clone()))
         }))?;
         let attempt = bench.download(pdo.parameter(0), &value)?;
@@ -57,7 +57,7 @@ fn parameter_count(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// The first four PDOs of either direction have their predefined CAN-IDs as delivered, or are switched off.
+/// The first four RPDOs and the first four TPDOs have their predefined CAN-IDs as delivered, or are switched off.
 #[case(id = "301/pdo/cob-id/predefined", clause = "CiA 301 7.3.3", confidence = Cited, level = Must,
        catches = [PdoIdNotPredefined], cct = "3.1")]
 fn cob_id_predefined(bench: &mut Bench<'_>) -> Judged {
@@ -71,15 +71,15 @@ fn cob_id_predefined(bench: &mut Bench<'_>) -> Judged {
         });
         let is_right = !cob_id.is_valid() || cob_id.can_id() == base + node || described == Some(cob_id.0);
         bench.check(demand(is_right, || {
-            let breach = Breach::new(pdo.parameter(1), "the COB-ID of a PDO is the predefined one, or off");
+            let breach = Breach::new(pdo.parameter(1), "the COB-ID of a PDO is predefined, or the PDO is switched off");
             let breach = breach.expected(format!("{:03X}h, or bit 31", base + node));
             breach.found(Observation::Value(cob_id.0.to_le_bytes().to_vec()))
         }))
     })
 }
 
-/// A TPDO that gets another CAN-ID while it is off is sent with it, and no longer with the old one. After reset communication
-/// it is sent with the one that 1800h:01 reads then.
+/// A TPDO whose CAN-ID is changed while it is switched off is sent with the new CAN-ID, and no longer with the old one.
+/// After reset communication it is sent with the CAN-ID that 1800h:01 then holds.
 #[case(id = "301/pdo/cob-id/moved", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Must,
        needs = [EventTimer, DynamicMapping], catches = [TpdoKeepsCanId, TpdoIdOutlivesReset])]
 fn cob_id_moved(bench: &mut Bench<'_>) -> Judged {
@@ -127,7 +127,7 @@ pub(super) fn reads_back(bench: &mut Bench<'_>, pdo: Pdo, written: CobId) -> Jud
     let right = Observation::Value((written.0 & !CobId::INVALID).to_le_bytes().to_vec());
     let found = Observation::Value(bench.read(pdo.parameter(1))?);
     bench.check(demand(found == right, || {
-        Breach::new(pdo.parameter(1), "a COB-ID reads as it was written").expected(right).found(found)
+        Breach::new(pdo.parameter(1), "a COB-ID reads back as written").expected(right).found(found)
     }))
 }
 
@@ -142,8 +142,8 @@ pub(super) fn move_to(bench: &mut Bench<'_>, pdo: Pdo, moved: CobId) -> Judged {
     Ok(())
 }
 
-/// Whether writing the COB-ID that a valid PDO has already is confirmed: recorded only. Its bits may not change, and they do
-/// not.
+/// The case only records whether the device confirms a write of the COB-ID that a valid PDO already has. CiA 301
+/// forbids changes of its bits, and such a write changes none.
 #[case(id = "301/pdo/cob-id/same", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Open,
        needs = [Tpdo, DynamicMapping], catches = [SameCobIdRefused])]
 fn cob_id_same(bench: &mut Bench<'_>) -> Judged {
@@ -153,7 +153,7 @@ fn cob_id_same(bench: &mut Bench<'_>) -> Judged {
     bench.expect_unchanged(TPDO.parameter(1), &own)
 }
 
-/// An 11-bit frame can't have a CAN-ID above 7FFh: such a COB-ID is refused with abort 0609 0030h.
+/// An 11-bit CAN-ID is 7FFh at most: a COB-ID with a higher CAN-ID is refused with abort 0609 0030h.
 #[case(id = "301/pdo/cob-id/too-high", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Should,
        needs = [Tpdo, DynamicMapping], catches = [CanIdTooHighAccepted])]
 fn cob_id_too_high(bench: &mut Bench<'_>) -> Judged {
@@ -163,8 +163,8 @@ fn cob_id_too_high(bench: &mut Bench<'_>) -> Judged {
     bench.check(attempt.refused(Situation::InvalidValue))
 }
 
-/// A device that knows only 11-bit CAN-IDs refuses bit 29 of a COB-ID with abort 0609 0030h; one that takes it sends
-/// 29-bit frames.
+/// A device that supports only 11-bit CAN-IDs refuses bit 29 of a COB-ID with abort 0609 0030h. A device that accepts
+/// bit 29 sends 29-bit frames.
 #[case(id = "301/pdo/cob-id/extended", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Must,
        needs = [EventTimer, DynamicMapping], catches = [ExtendedBitAccepted])]
 fn cob_id_extended(bench: &mut Bench<'_>) -> Judged {
@@ -181,14 +181,14 @@ fn cob_id_extended(bench: &mut Bench<'_>) -> Judged {
         (id.is_extended() && id.raw() == 0x0012_3456).then_some(())
     })?;
     bench.check(demand(sent.is_some(), || {
-        Breach::new(TPDO.subject(), "a device that takes a 29-bit COB-ID uses it")
+        Breach::new(TPDO.subject(), "a device that accepts a 29-bit COB-ID uses it")
             .expected("TPDOs with 00123456h, or abort 0609 0030h")
             .found(Observation::Silence)
             .told("confirmation, but no such frame")
     }))
 }
 
-/// A device that answers no remote frames refuses to clear bit 30 of a TPDO's COB-ID with abort 0609 0030h.
+/// A device that does not support remote frames refuses to clear bit 30 of the COB-ID of a TPDO with abort 0609 0030h.
 #[case(id = "301/pdo/cob-id/remote", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Should,
        needs = [EventTimer, DynamicMapping], catches = [RtrBitClearable])]
 fn cob_id_remote(bench: &mut Bench<'_>) -> Judged {
@@ -207,16 +207,18 @@ fn cob_id_remote(bench: &mut Bench<'_>) -> Judged {
     }
     let answers = bench.frames_of((can_id & 0x7FF) as u16, bench.timing().silence)?;
     bench.check(demand(answers.iter().any(|record| !record.frame.is_remote()), || {
-        Breach::new(TPDO.subject(), "a device that takes a COB-ID without bit 30 answers remote frames")
+        Breach::new(TPDO.subject(), "a device that accepts a COB-ID without bit 30 answers remote frames")
             .expected("a TPDO, or abort 0609 0030h")
             .found(Observation::Silence)
             .told("confirmation, but no answer")
     }))
 }
 
-/// The transmission types 252 and 253, which need remote frames, are refused for a PDO without them: abort 0609 0030h.
+/// The transmission types 252 and 253, which need remote frames, are refused with abort 0609 0030h for a PDO without
+/// remote frames.
 ///
-/// A device that knows remote frames may take them: bit 30 can still be cleared before the PDO becomes valid.
+/// A device that supports remote frames may accept them, because bit 30 can still be cleared before the PDO becomes
+/// valid.
 #[case(id = "301/pdo/transmission-type/remote", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Should,
        needs = [Tpdo, DynamicMapping], catches = [RtrTypeWithoutRtrAccepted])]
 fn remote_type(bench: &mut Bench<'_>) -> Judged {
@@ -233,9 +235,9 @@ fn remote_type(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// The inhibit time of a PDO that is valid does not change: the write is refused.
+/// The inhibit time of a valid PDO does not change: the device refuses the write.
 ///
-/// The rule came with V4.0 of CiA 301, and so did the event timer.
+/// V4.0 of CiA 301 introduced this rule together with the event timer.
 #[case(id = "301/pdo/inhibit-time/valid", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Must,
        needs = [EventTimer], catches = [InhibitTimeChangeWhileValid],
        answers = [ValidPdoChanged])]
@@ -243,7 +245,7 @@ fn inhibit_time_valid(bench: &mut Bench<'_>) -> Judged {
     while_valid(bench, 3, 500, 600)
 }
 
-/// The SYNC start value of a PDO that is valid does not change: the write is refused.
+/// The SYNC start value of a valid PDO does not change: the device refuses the write.
 #[case(id = "301/pdo/sync-start/valid", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Must,
        needs = [EventTimer], catches = [SyncStartValueChangeWhileValid],
        answers = [ValidPdoChanged])]
@@ -279,7 +281,7 @@ fn reserved_entry(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// Whether a PDO that carries nothing can be made valid, and then sends empty frames: recorded only.
+/// The case only records whether a PDO without mapped objects can be made valid and then sends empty frames.
 #[case(id = "301/pdo/empty", clause = "CiA 301 7.5.2.38", confidence = Cited, level = Open,
        needs = [EventTimer, DynamicMapping], catches = [EmptyPdoValidated])]
 fn empty(bench: &mut Bench<'_>) -> Judged {
@@ -292,6 +294,6 @@ fn empty(bench: &mut Bench<'_>) -> Judged {
     bench.command(Command::START)?;
     let sent = bench.frames_of((own.can_id() & 0x7FF) as u16, Duration::from_millis(500))?;
     bench.check(demand(sent.is_empty(), || {
-        counted("a PDO that carries nothing is not sent, in 500 ms", 0, Some(0), sent.len() as u64)
+        counted("a PDO without mapped objects is not sent, in 500 ms", 0, Some(0), sent.len() as u64)
     }))
 }

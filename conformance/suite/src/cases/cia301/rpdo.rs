@@ -78,11 +78,11 @@ fn has_value(at: Multiplexer, right: &[u8], now: Vec<u8>, duty: &str) -> crate::
 pub(super) fn proven(bench: &mut Bench<'_>, subject: &Subject) -> Result<(), Stop> {
     send(bench, subject, &subject.other)?;
     let now = bench.read(subject.mapped.at)?;
-    has_value(subject.mapped.at, &subject.other, now, "the RPDO acts").or_inconclusive()?;
+    has_value(subject.mapped.at, &subject.other, now, "the RPDO takes effect").or_inconclusive()?;
     send(bench, subject, &subject.before)
 }
 
-/// An event-driven RPDO sets the objects that it carries, at once.
+/// An event-driven RPDO sets its mapped objects immediately.
 #[case(id = "301/rpdo/event-driven", clause = "CiA 301 7.5.2.35", confidence = Cited, level = Must,
        needs = [RpdoMapping], catches = [RpdoIgnored])]
 fn event_driven(bench: &mut Bench<'_>) -> Judged {
@@ -93,7 +93,7 @@ fn event_driven(bench: &mut Bench<'_>) -> Judged {
     expect_value(bench, subject.mapped.at, &subject.other, &duty)
 }
 
-/// An RPDO that has the length of its mapping is no error: no EMCY of the protocol, 82xxh, comes.
+/// An RPDO with the length of its mapping is no error: the device sends no EMCY for a protocol error (82xxh).
 #[case(id = "301/rpdo/no-error", clause = "CiA 301 7.2.7.1", confidence = Cited, level = Must,
        needs = [RpdoMapping], catches = [RightRpdoReported])]
 fn no_error(bench: &mut Bench<'_>) -> Judged {
@@ -104,7 +104,7 @@ fn no_error(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// A synchronous RPDO acts with the SYNC after it, not before.
+/// A synchronous RPDO takes effect with the next SYNC, not before it.
 #[case(id = "301/rpdo/synchronous", clause = "CiA 301 7.5.2.35", confidence = Cited, level = Must,
        needs = [RpdoMapping, Sync], catches = [SynchronousRpdoActsAtOnce])]
 fn synchronous(bench: &mut Bench<'_>) -> Judged {
@@ -121,14 +121,14 @@ fn synchronous(bench: &mut Bench<'_>) -> Judged {
     expect_value(bench, at, &subject.other, &format!("{at} has the value of the RPDO after SYNC"))
 }
 
-/// In pre-operational an RPDO does nothing.
+/// An RPDO has no effect in pre-operational.
 #[case(id = "301/state/pre-operational/rpdo", clause = "CiA 301 7.3.2.2.5", confidence = Cited, level = Must,
        needs = [RpdoMapping], catches = [RpdoInPreOperational])]
 fn pre_operational(bench: &mut Bench<'_>) -> Judged {
     silent_after(bench, Command::ENTER_PRE_OPERATIONAL, "in pre-operational")
 }
 
-/// In stopped an RPDO does nothing.
+/// An RPDO has no effect in stopped.
 #[case(id = "301/state/stopped/rpdo", clause = "CiA 301 7.3.2.2.5", confidence = Cited, level = Must,
        needs = [RpdoMapping], catches = [RpdoWhenStopped])]
 fn stopped(bench: &mut Bench<'_>) -> Judged {
@@ -149,7 +149,7 @@ fn silent_after(bench: &mut Bench<'_>, command: Command, state: &str) -> Judged 
     expect_value(bench, subject.mapped.at, &subject.before, &duty)
 }
 
-/// An RPDO that is switched off (bit 31 of its COB-ID) does nothing.
+/// An RPDO that is switched off (bit 31 of its COB-ID) has no effect.
 #[case(id = "301/rpdo/invalid", clause = "CiA 301 7.5.2.35", confidence = Cited, level = Must,
        needs = [RpdoMapping], catches = [RpdoReceivedWhenInvalid])]
 fn invalid(bench: &mut Bench<'_>) -> Judged {
@@ -165,7 +165,7 @@ fn invalid(bench: &mut Bench<'_>) -> Judged {
     expect_value(bench, subject.mapped.at, &subject.before, "an RPDO that is switched off has no effect")
 }
 
-/// An RPDO that is shorter than what it carries does nothing; EMCY 8210h tells of it, where the device has EMCY.
+/// An RPDO that is shorter than its mapping has no effect. A device that supports EMCY reports it by EMCY 8210h.
 #[case(id = "301/rpdo/too-short", clause = "CiA 301 7.5.2.36", confidence = Cited, level = Must,
        needs = [RpdoMapping], catches = [RpdoLengthUnchecked, ShortRpdoUnreported], cct = "5.4")]
 fn too_short(bench: &mut Bench<'_>) -> Judged {
@@ -195,8 +195,8 @@ fn has_emcy(bench: &mut Bench<'_>) -> Result<bool, Stop> {
     Ok(bench.has(EMCY_ID)? && CobId(bench.read_number(EMCY_ID)?).is_valid())
 }
 
-/// Of an RPDO that is longer than what it carries the first bytes are taken. Where an EMCY of 82xxh tells of it, its code is
-/// 8220h, 8210h or the general 8200h, and not that of another error.
+/// The device uses the first bytes of an RPDO that is longer than its mapping. If it sends an EMCY for a protocol error
+/// (82xxh), the error code is 8220h, 8210h or the general 8200h.
 #[case(id = "301/rpdo/too-long", clause = "CiA 301 7.5.2.36", confidence = Cited, level = Must,
        needs = [RpdoMapping], catches = [LongRpdoIgnored, LongRpdoCalledLate])]
 fn too_long(bench: &mut Bench<'_>) -> Judged {
@@ -220,7 +220,7 @@ fn too_long(bench: &mut Bench<'_>) -> Judged {
     };
     let wrong: Vec<Record> = heard.iter().filter(is_other).cloned().collect();
     bench.check(demand(wrong.is_empty(), || {
-        let breach = Breach::new(RPDO.subject(), "an RPDO with too many bytes is reported as nothing else");
+        let breach = Breach::new(RPDO.subject(), "an RPDO with too many bytes is not reported as another error");
         breach.expected("EMCY 8220h, or none").found(observed(&wrong)).told(shown(&wrong))
     }))?;
     let duty = format!("{} has the first bytes of an RPDO that is too long", subject.mapped.at);
@@ -243,7 +243,7 @@ fn object_for_zero(bench: &mut Bench<'_>) -> Result<Option<Mapped>, Stop> {
     Ok(objects.first().copied())
 }
 
-/// A remote frame or a 29-bit frame with the CAN-ID of an RPDO does nothing.
+/// A remote frame or 29-bit frame with the CAN-ID of an RPDO has no effect.
 #[case(id = "301/rpdo/other-frames", clause = "CiA 301 7.2.2.5.1", confidence = Cited, level = Must,
        needs = [RpdoMapping], catches = [RemoteFrameTakenAsRpdo, ExtendedFrameObeyed])]
 fn other_frames(bench: &mut Bench<'_>) -> Judged {
@@ -269,7 +269,7 @@ fn other_frames(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// Of many RPDOs in a row the last one counts, and the device goes on working.
+/// After many RPDOs without a pause the mapped object has the value of the last RPDO, and the device still works.
 #[case(id = "301/rpdo/load", clause = "CiA 301 7.5.2.35", confidence = Cited, level = Must,
        needs = [RpdoMapping], catches = [WatchdogResetUnderLoad, SdoSilentWhenOperational])]
 fn load(bench: &mut Bench<'_>) -> Judged {
@@ -288,9 +288,9 @@ fn load(bench: &mut Bench<'_>) -> Judged {
     bench.expect_value(subject.mapped.at, &subject.other, duty)
 }
 
-/// Whether an RPDO sets an object to a value that an SDO may not write: recorded only.
+/// The case only records whether an RPDO sets an object to a value that an SDO download may not write.
 ///
-/// Whether such a value is limited, ignored or taken as it is, is not said.
+/// CiA 301 does not say whether the device limits, ignores or accepts such a value.
 #[case(id = "301/rpdo/out-of-range", clause = "CiA 301 7.2.2.2", confidence = Cited, level = Open,
        needs = [RpdoMapping], catches = [RpdoRangeUnchecked])]
 fn out_of_range(bench: &mut Bench<'_>) -> Judged {
@@ -318,13 +318,13 @@ fn out_of_range(bench: &mut Bench<'_>) -> Judged {
     bench.listen(bench.shortly())?;
     let now = bench.read(mapped.at)?;
     bench.check(demand(now != data, || {
-        let breach = Breach::new(mapped.at, "an object does not take by RPDO what it does not take by SDO");
+        let breach = Breach::new(mapped.at, "an RPDO does not set a value that an SDO download can't write");
         breach.expected("a value within its limits").found(Observation::Value(now))
     }))
 }
 
-/// Whether an RPDO whose deadline (event timer) passes is reported by EMCY 8250h: recorded only. The timer may be used for
-/// that, and how it is reported is up to the application.
+/// The case only records whether the device reports an RPDO whose deadline (event timer) has passed by EMCY 8250h. CiA
+/// 301 says that the timer may be used for this purpose, and leaves the report to the application.
 #[case(id = "301/rpdo/deadline", clause = "CiA 301 7.5.2.35", confidence = Cited, level = Open,
        needs = [RpdoMapping], catches = [RpdoDeadlineIgnored])]
 fn deadline(bench: &mut Bench<'_>) -> Judged {
@@ -348,7 +348,7 @@ fn deadline(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// The transmission types 241 to 253, which are reserved for RPDOs, are refused with abort 0609 0030h.
+/// The device refuses the transmission types 241 to 253, which are reserved for RPDOs, with abort 0609 0030h.
 #[case(id = "301/rpdo/reserved-type", clause = "CiA 301 7.5.2.35", confidence = Cited, level = Must,
        needs = [Rpdo], catches = [ReservedTransmissionTypeAccepted])]
 fn reserved_type(bench: &mut Bench<'_>) -> Judged {
@@ -365,7 +365,7 @@ fn reserved_type(bench: &mut Bench<'_>) -> Judged {
     bench.expect_unchanged(RPDO.parameter(2), &before)
 }
 
-/// The CAN-ID of an RPDO that is valid does not change: the write is refused, and the COB-ID stays.
+/// The CAN-ID of a valid RPDO does not change: the device refuses the write, and the COB-ID keeps its value.
 #[case(id = "301/rpdo/cob-id/valid", clause = "CiA 301 7.5.2.35", confidence = Cited, level = Must,
        needs = [RpdoMapping], catches = [CobIdChangeWhileValid])]
 fn cob_id_valid(bench: &mut Bench<'_>) -> Judged {
@@ -382,7 +382,7 @@ fn cob_id_valid(bench: &mut Bench<'_>) -> Judged {
     Ok(())
 }
 
-/// An RPDO that gets another CAN-ID while it is off is received with it.
+/// An RPDO whose CAN-ID is changed while it is switched off is received with the new CAN-ID.
 #[case(id = "301/rpdo/cob-id/moved", clause = "CiA 301 7.5.2.35", confidence = Cited, level = Must,
        needs = [RpdoMapping], catches = [RpdoKeepsCanId])]
 fn cob_id_moved(bench: &mut Bench<'_>) -> Judged {
@@ -400,7 +400,7 @@ fn cob_id_moved(bench: &mut Bench<'_>) -> Judged {
     expect_value(bench, subject.mapped.at, &subject.other, &duty)
 }
 
-/// Two objects in one RPDO get their values by their place in the mapping.
+/// Two objects in one RPDO receive their values by their places in the mapping.
 #[case(id = "301/rpdo/layout", clause = "CiA 301 7.5.2.36", confidence = Cited, level = Must,
        needs = [RpdoMapping], catches = [RpdoBytesReversed, RpdoFirstObjectOnly])]
 fn layout(bench: &mut Bench<'_>) -> Judged {
@@ -432,8 +432,8 @@ fn layout(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// Whether a device with SYNC takes the synchronous transmission types 0, 1, 2 and 240 for an RPDO: recorded only. Which types
-/// it supports is its own matter.
+/// The case only records whether a device with SYNC accepts the synchronous transmission types 0, 1, 2 and 240 for an
+/// RPDO, because each device decides which types it supports.
 #[case(id = "301/rpdo/synchronous-types", clause = "CiA 301 7.5.2.35", confidence = Cited, level = Open,
        needs = [Rpdo, Sync], catches = [SynchronousRpdoRefused])]
 fn synchronous_types(bench: &mut Bench<'_>) -> Judged {

@@ -40,8 +40,8 @@ fn expect_none(bench: &mut Bench<'_>, duty: &'static str, heard: &[Record]) -> J
     }))
 }
 
-/// An RPDO that comes within its deadline (event timer) is not reported as missing; nor is one that stays away once the
-/// device has left operational, where no RPDO is received.
+/// The device does not report an RPDO that arrives within its deadline (event timer) as missing. It does not report an
+/// RPDO as missing after it has left operational either, because it receives no RPDO there.
 #[case(id = "301/rpdo/deadline-kept", clause = "CiA 301 7.5.2.35", confidence = Cited, level = Should,
        needs = [RpdoMapping], catches = [RpdoDeadlineOutlivesStop, RpdoDeadlineNotRestarted, RpdoInPreOperational])]
 fn deadline_kept(bench: &mut Bench<'_>) -> Judged {
@@ -55,14 +55,14 @@ fn deadline_kept(bench: &mut Bench<'_>) -> Judged {
     bench.send_bytes(subject.can_id, &subject.before)?;
     bench.command(Command::ENTER_PRE_OPERATIONAL)?;
     let heard = emergencies(bench, DEADLINE.times(4))?;
-    expect_none(bench, "an RPDO is not missed in pre-operational", &heard)?;
+    expect_none(bench, "no RPDO is reported as missing in pre-operational", &heard)?;
     operational(bench)?;
     let heard = emergencies(bench, DEADLINE.times(4))?;
-    expect_none(bench, "after the start an RPDO is missed only once it has come again", &heard)
+    expect_none(bench, "after the start an RPDO is reported as missing only if it was received again", &heard)
 }
 
-/// Whether a value that waited for SYNC when operational was left acts at a SYNC after the next start: recorded only, as
-/// CiA 301 does not say what becomes of it.
+/// The case only records whether an RPDO value that waited for SYNC when the device left operational takes effect at a
+/// SYNC after the next start, because CiA 301 does not define this.
 #[case(id = "301/rpdo/held-over-stop", clause = "CiA 301 7.5.2.35", confidence = Cited, level = Open,
        needs = [RpdoMapping, Sync], catches = [RpdoHeldOverStop])]
 fn held(bench: &mut Bench<'_>) -> Judged {
@@ -78,12 +78,14 @@ fn held(bench: &mut Bench<'_>) -> Judged {
     bench.listen(bench.shortly())?;
     let now = bench.read(subject.mapped.at)?;
     bench.check(demand(now == subject.before, || {
-        let breach =
-            Breach::new(subject.mapped.at, "a value that waited for SYNC is forgotten when operational is left");
+        let breach = Breach::new(
+            subject.mapped.at,
+            "a value that waits for SYNC is discarded when the device leaves operational",
+        );
         breach.expected(Observation::Value(subject.before.clone())).found(Observation::Value(now.clone()))
     }))?;
     bench.send_bytes(subject.can_id, &subject.other)?;
     bench.send_bytes(sync_id, &[])?;
     bench.listen(bench.shortly())?;
-    expect_value(bench, subject.mapped.at, &subject.other, "after the next start the RPDO acts at SYNC again")
+    expect_value(bench, subject.mapped.at, &subject.other, "after the next start the RPDO takes effect at SYNC again")
 }

@@ -12,7 +12,7 @@ use canvass_bus::observation::Observation;
 
 const DEVICE_TYPE: Multiplexer = Multiplexer::new(object::DEVICE_TYPE, 0);
 
-/// In stopped the SDO server does not answer at all, not even with an abort.
+/// The SDO server sends no response in stopped, not even an abort.
 #[case(id = "301/state/stopped/sdo", clause = "CiA 301 7.3.2.2.5", confidence = Cited, level = Must,
        catches = [SdoAnsweredWhenStopped, SdoRequestKeptOverStop], cct = "9.4")]
 fn stopped_sdo(bench: &mut Bench<'_>) -> Judged {
@@ -30,14 +30,14 @@ fn stopped_sdo(bench: &mut Bench<'_>) -> Judged {
     }
     let late = bench.wait_for_late_response()?;
     bench.check(demand(late.is_none(), || {
-        Breach::new(DEVICE_TYPE, "a request of stopped is not answered after stopped either")
+        Breach::new(DEVICE_TYPE, "a request in stopped is not answered after the device has left stopped either")
             .expected(Observation::Silence)
             .found(Observation::named("an answer after stopped"))
             .told(late.map(|frame| frame.to_string()).unwrap_or_default())
     }))
 }
 
-/// In pre-operational and in operational the SDO server answers.
+/// The SDO server answers in pre-operational and in operational.
 #[case(id = "301/state/operational/sdo", clause = "CiA 301 7.3.2.2.5", confidence = Cited, level = Must,
        catches = [SdoSilentWhenOperational], cct = "9.2")]
 fn operational_sdo(bench: &mut Bench<'_>) -> Judged {

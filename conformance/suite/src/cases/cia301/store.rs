@@ -21,7 +21,7 @@ const RESTORE: Multiplexer = Multiplexer::new(object::RESTORE_DEFAULT_PARAMETERS
 const COMMAND: u32 = 1 << 0;
 const AUTO: u32 = 1 << 1;
 
-/// Any signature but "save" is refused by 1010h, with abort 0800 0020h, 0609 0030h or 0800 0000h.
+/// 1010h refuses any signature but "save", with abort 0800 0020h, 0609 0030h or 0800 0000h.
 #[case(id = "301/store/wrong-signature", clause = "CiA 301 7.5.2.13", confidence = Cited, level = Must,
        needs = [Store], touches = [Nvm], catches = [StoreSignatureUnchecked], cct = "8.3")]
 fn wrong_signature(bench: &mut Bench<'_>) -> Judged {
@@ -42,8 +42,9 @@ fn is_covered(bench: &mut Bench<'_>, object: Multiplexer) -> Result<bool, Stop> 
     }
 }
 
-/// What can be stored is there after "save" and reset node, as it was when it was stored and not as it was written later:
-/// what 1010h covers by the description, and of other parameters at least one. The old values are stored again afterwards.
+/// "save" stores the values that parameters have at that moment: they are restored after reset node, and later writes
+/// are not. This holds for all tested parameters that 1010h covers according to the description, and for at least one
+/// parameter. The case stores the old values again afterwards.
 #[case(id = "301/store/persists", clause = "CiA 301 7.5.2.13", confidence = Cited, level = Must,
        needs = [Store, ScratchObject], touches = [Nvm], catches = [ParameterDriftsAtReset, ErrorBehaviourAlwaysLeaves, StoreWithoutEffect, LaterValuesStored], cct = "8.5")]
 fn persists(bench: &mut Bench<'_>) -> Judged {
@@ -89,14 +90,14 @@ fn judge_stored(bench: &mut Bench<'_>, scratches: &[Scratch], after: &[Outcome])
         }
     }
     bench.check(demand(any, || {
-        let breach = Breach::new(STORE, "\"save\" that is confirmed stores parameters");
+        let breach = Breach::new(STORE, "a confirmed \"save\" stores parameters");
         breach.expected("one of the parameters that were written").found(Observation::named("nothing is stored"))
     }))
 }
 
 const STORED: &str = "a parameter that 1010h covers has its stored value after reset node";
 
-/// "load" restores the defaults with the next reset, not before.
+/// "load" restores the defaults at the next reset, not before it.
 #[case(id = "301/restore/at-reset", clause = "CiA 301 7.5.2.14", confidence = Cited, level = Must,
        needs = [Store, ScratchObject], touches = [Nvm, FactoryDefaults], catches = [RestoreAtOnce], cct = "8.4")]
 fn at_reset(bench: &mut Bench<'_>) -> Judged {
@@ -110,7 +111,7 @@ fn at_reset(bench: &mut Bench<'_>) -> Judged {
     bench.expect_value(scratch.multiplexer, &scratch.other, duty)
 }
 
-/// Any signature but "load" is refused by 1011h, with abort 0800 0020h, 0609 0030h or 0800 0000h.
+/// 1011h refuses any signature but "load", with abort 0800 0020h, 0609 0030h or 0800 0000h.
 #[case(id = "301/restore/wrong-signature", clause = "CiA 301 7.5.2.14", confidence = Cited, level = Must,
        needs = [Store], touches = [Nvm, FactoryDefaults], catches = [RestoreSignatureUnchecked], cct = "8.3")]
 fn restore_wrong_signature(bench: &mut Bench<'_>) -> Judged {
@@ -122,19 +123,19 @@ fn restore_wrong_signature(bench: &mut Bench<'_>) -> Judged {
     Ok(())
 }
 
-/// 1010h:01 says whether the device stores on command (bit 0) and by itself (bit 1); the other bits are 0.
+/// 1010h:01 tells whether the device stores parameters on command (bit 0) and by itself (bit 1); its other bits are 0.
 #[case(id = "301/store/capability", clause = "CiA 301 7.5.2.13", confidence = Cited, level = Must,
        needs = [StoreObject], catches = [StoreCapabilityWrong], cct = "8.1")]
 fn capability(bench: &mut Bench<'_>) -> Judged {
     let value = bench.upload(STORE)?.value()?;
     bench.check(demand(value.len() == 4 && number(&value) & !(COMMAND | AUTO) == 0, || {
-        let breach = Breach::new(STORE, "1010h:01 tells how the device stores, in an UNSIGNED32");
+        let breach = Breach::new(STORE, "1010h:01 is an UNSIGNED32 that tells how the device stores parameters");
         breach.expected("bits 0 and 1 only").found(Observation::Value(value))
     }))
 }
 
-/// A parameter of the device profile that was changed but not stored has its power-on value after reset node, unless the
-/// device says that it stores by itself.
+/// A parameter of the device profile that was changed but not stored has its power-on value after reset node, unless
+/// 1010h tells that the device stores parameters by itself.
 #[case(id = "301/store/not-stored", clause = "CiA 301 7.3.2.2.1", confidence = Cited, level = Must,
        needs = [Store, ApplicationParameter], catches = [NmtResetNodeKeepsParameters])]
 fn not_stored(bench: &mut Bench<'_>) -> Judged {
@@ -203,7 +204,7 @@ fn after_store(bench: &mut Bench<'_>, two: &Two, sub: u8) -> Result<[Vec<u8>; 2]
     after
 }
 
-/// 1010h:01 stores communication and application parameters, as far as 1010h covers them by the description.
+/// 1010h:01 stores communication and application parameters, if 1010h covers them according to the description.
 #[case(id = "301/store/all", clause = "CiA 301 7.5.2.13", confidence = Cited, level = Must,
        needs = [Store, ScratchObject, ApplicationParameter], touches = [Nvm], catches = [StoreLosesGroup, StoreWithoutEffect],
        cct = "8.5")]
@@ -222,7 +223,7 @@ fn stored(scratch: &Scratch, now: &[u8]) -> Check {
 
 fn lost(scratch: &Scratch, now: &[u8]) -> Check {
     demand(now == scratch.value, || {
-        Breach::new(scratch.multiplexer, "a parameter is not stored with those of the other group")
+        Breach::new(scratch.multiplexer, "a parameter is not stored together with the other group")
             .expected(Observation::Value(scratch.value.clone()))
             .found(Observation::Value(now.to_vec()))
     })
@@ -261,7 +262,7 @@ fn group_only(bench: &mut Bench<'_>, sub: u8) -> Judged {
     }
 }
 
-/// A reset while parameters are stored leaves either all old or all new values, of those that can be stored.
+/// After a reset during storing, either all parameters that the device can store are old, or all are new.
 #[case(id = "301/store/reset-at-once", clause = "CiA 301 7.5.2.13", confidence = Cited, level = Should,
        needs = [Store, ScratchObject, ApplicationParameter], touches = [Nvm], catches = [StoreTornByReset])]
 fn reset_at_once(bench: &mut Bench<'_>) -> Judged {
@@ -296,7 +297,7 @@ fn reset_at_once(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// "load" and a reset bring the defaults back.
+/// "load" and a reset restore the defaults.
 #[case(id = "301/restore/defaults", clause = "CiA 301 7.5.2.14", confidence = Cited, level = Must,
        needs = [Store, ScratchObject], touches = [Nvm, FactoryDefaults], catches = [RestoreWithoutEffect], cct = "8.8")]
 fn defaults(bench: &mut Bench<'_>) -> Judged {
@@ -313,7 +314,7 @@ fn defaults(bench: &mut Bench<'_>) -> Judged {
     bench.write(STORE, b"save")?;
     bench.check(demand(now != scratch.other, || {
         Breach::new(scratch.multiplexer, "a parameter has its default after \"load\" and reset node")
-            .expected("another value than was stored")
+            .expected("another value than the stored one")
             .found(Observation::Value(now))
     }))
 }
@@ -326,7 +327,7 @@ pub(super) fn restarted(bench: &mut Bench<'_>) -> Judged {
             if bench.options().allow.contains(&Touch::NodeId) && !bench.answers()? =>
         {
             regain(bench, true)?;
-            bench.note("after \"load\" and reset node it had no node-ID, and got its own again by LSS");
+            bench.note("after \"load\" and reset node it had no node-ID, and received its own again by LSS");
             Ok(())
         }
         (reset, _) => reset,
@@ -341,7 +342,7 @@ pub(super) fn restores(bench: &mut Bench<'_>) -> Result<(), Stop> {
     Err(Stop::NotApplicable(Reason::new("defaults can be restored", "1011h:01", "the device has no 1011h:01")))
 }
 
-/// A device whose 1010h:01 says that it does not store on command (bit 0 is 0) refuses "save".
+/// A device whose 1010h:01 tells that it does not store parameters on command (bit 0 is 0) refuses "save".
 #[case(id = "301/store/not-supported", clause = "CiA 301 7.5.2.13", confidence = Cited, level = Must,
        needs = [StoreObject], touches = [Nvm], catches = [StoreCapabilityDenied])]
 fn not_supported(bench: &mut Bench<'_>) -> Judged {
@@ -356,7 +357,8 @@ fn not_supported(bench: &mut Bench<'_>) -> Judged {
     bench.check(attempt.refused(Situation::StoreUnsupported))
 }
 
-/// "save" in operational is carried out, or refused because of the state, with abort 0800 0022h or one of its kin. Which of the two is noted.
+/// The device executes "save" in operational, or refuses it because of its state, with abort 0800 0022h or a related
+/// code. The case notes which of the two it does.
 #[case(id = "301/store/operational", clause = "CiA 301 7.3.2.2.3", confidence = Cited, level = Should,
        needs = [Store], touches = [Nvm], catches = [StoreSilentWhenOperational, SdoSilentWhenOperational])]
 fn operational(bench: &mut Bench<'_>) -> Judged {

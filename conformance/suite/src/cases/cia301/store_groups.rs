@@ -35,7 +35,7 @@ fn sub_indexes(bench: &mut Bench<'_>, index: u16) -> Result<Vec<Multiplexer>, St
     Ok(found)
 }
 
-/// No sub-index of 1010h takes any signature but "save".
+/// Each sub-index of 1010h refuses any signature but "save".
 #[case(id = "301/store/every-signature", clause = "CiA 301 7.5.2.13", confidence = Cited, level = Must,
        needs = [Store], touches = [Nvm], catches = [StoreSignatureFirstOnly, StoreSignatureUnchecked], cct = "8.3",
        answers = [WrongSignature])]
@@ -43,7 +43,7 @@ fn every_store_signature(bench: &mut Bench<'_>) -> Judged {
     every_signature(bench, object::STORE_PARAMETERS, [*b"evas", *b"SAVE", *b"load", [0; 4], [1, 0, 0, 0]])
 }
 
-/// No sub-index of 1011h takes any signature but "load".
+/// Each sub-index of 1011h refuses any signature but "load".
 #[case(id = "301/restore/every-signature", clause = "CiA 301 7.5.2.14", confidence = Cited, level = Must,
        needs = [Store], touches = [Nvm, FactoryDefaults], catches = [StoreSignatureFirstOnly, RestoreSignatureUnchecked],
        cct = "8.3", answers = [WrongSignature])]
@@ -68,8 +68,8 @@ fn every_signature(bench: &mut Bench<'_>, index: u16, wrong: [[u8; 4]; 5]) -> Ju
     tried(asked, "a sub-index that sub-index 0 counts and that can be written")
 }
 
-/// Each sub-index of 1010h and 1011h tells what it can in an UNSIGNED32: on command in bit 0, and of 1010h by itself in
-/// bit 1. The other bits are 0.
+/// Each sub-index of 1010h and 1011h is an UNSIGNED32 that tells its capability: on command in bit 0, and for 1010h
+/// also by itself in bit 1. All other bits are 0.
 #[case(id = "301/store/every-capability", clause = "CiA 301 7.5.2.14", confidence = Cited, level = Must,
        needs = [StoreObject], catches = [RestoreCapabilityWrong, StoreCapabilityWrong], cct = "8.1")]
 fn every_capability(bench: &mut Bench<'_>) -> Judged {
@@ -81,13 +81,13 @@ fn every_capability(bench: &mut Bench<'_>) -> Judged {
         let value = bench.upload(at)?.value()?;
         bench.check(demand(value.len() == 4 && number(&value) & !known == 0, || {
             let expected = if known == COMMAND { "bit 0 only" } else { "bits 0 and 1 only" };
-            let duty = "1010h and 1011h tell what they can, in an UNSIGNED32";
+            let duty = "1010h and 1011h tell their capability in an UNSIGNED32";
             Breach::new(at, duty).expected(expected).found(Observation::Value(value))
         }))
     })
 }
 
-/// 1011h:02 restores communication parameters, and leaves what is stored of the application.
+/// 1011h:02 restores communication parameters, and does not change stored application parameters.
 #[case(id = "301/restore/communication-only", clause = "CiA 301 7.5.2.14", confidence = Cited, level = Must,
        needs = [Store, ScratchObject, ApplicationParameter], touches = [Nvm, FactoryDefaults],
        catches = [RestoreGroupIgnored, RestoreWithoutEffect], cct = "8.8")]
@@ -95,7 +95,7 @@ fn communication_only(bench: &mut Bench<'_>) -> Judged {
     group_only(bench, 2)
 }
 
-/// 1011h:03 restores application parameters, and leaves what is stored of the communication.
+/// 1011h:03 restores application parameters, and does not change stored communication parameters.
 #[case(id = "301/restore/application-only", clause = "CiA 301 7.5.2.14", confidence = Cited, level = Must,
        needs = [Store, ScratchObject, ApplicationParameter], touches = [Nvm, FactoryDefaults],
        catches = [RestoreGroupIgnored, RestoreWithoutEffect], cct = "8.8")]
@@ -158,14 +158,14 @@ fn is_default(bench: &Bench<'_>, scratch: &Scratch, now: &[u8]) -> Check {
     });
     demand(now != scratch.other || default.as_ref() == Some(&scratch.other), || {
         Breach::new(scratch.multiplexer, "a parameter of the restored group has its default after reset node")
-            .expected("another value than was stored")
+            .expected("another value than the stored one")
             .found(Observation::Value(now.to_vec()))
     })
 }
 
 fn is_kept(scratch: &Scratch, now: &[u8]) -> Check {
     demand(now == scratch.other, || {
-        Breach::new(scratch.multiplexer, "a stored parameter is not restored with those of the other group")
+        Breach::new(scratch.multiplexer, "a stored parameter is not restored together with the other group")
             .expected(Observation::Value(scratch.other.clone()))
             .found(Observation::Value(now.to_vec()))
     })

@@ -28,8 +28,8 @@ struct AfterReset {
     after_loss: Option<Option<State>>,
 }
 
-/// A stored heartbeat time and a stored entry of the heartbeat consumer that are there after a reset act, without being
-/// written again. The old values are stored again afterwards.
+/// A stored heartbeat time and a stored entry of the heartbeat consumer take effect after a reset, without being
+/// written again. The case stores the old values again afterwards.
 #[case(id = "301/store/acts", clause = "CiA 301 7.3.2.2.1", confidence = Cited, level = Must,
        needs = [Store, Heartbeat], touches = [Nvm], catches = [StoredConfigurationIdle, HeartbeatConsumerForgetsStored, HeartbeatLostOnStateChange,
                                                             ErrorBehaviourIgnored])]
@@ -88,12 +88,12 @@ fn judge(bench: &mut Bench<'_>, seen: &AfterReset) -> Judged {
         return Err(Stop::NotApplicable(reason));
     };
     bench.check(demand(count > 4, || {
-        Breach::new(Service::Heartbeat, "a stored heartbeat time acts after a reset, in ten periods")
+        Breach::new(Service::Heartbeat, "a stored heartbeat time takes effect after a reset, in ten periods")
             .expected(Allowed::Count { least: 5, most: None })
             .found(Observation::Count(count as u64))
     }))?;
     bench.check(demand(seen.after_loss != Some(None), || {
-        let breach = Breach::new(WATCHED, "a stored entry of 1016h watches its node after a reset");
+        let breach = Breach::new(WATCHED, "a stored entry of 1016h monitors its node after a reset");
         breach.expected("the device leaves operational").found(Observation::State(State::OPERATIONAL))
     }))
 }

@@ -53,7 +53,7 @@ fn counted(duty: impl Into<String>, least: u64, most: Option<u64>, heard: &[Reco
     Breach::new(Service::Sync, duty.into()).expected(Allowed::Count { least, most }).found(found)
 }
 
-/// A producer sends SYNC at the period that 1006h says, in microseconds.
+/// A SYNC producer sends SYNC with the period in microseconds that 1006h holds.
 #[case(id = "301/sync/period", clause = "CiA 301 7.5.2.6", confidence = Cited, level = Must,
        needs = [SyncProducer], catches = [SyncPeriodDoubled, SyncHangsWithoutCounter], cct = "6.2")]
 fn period(bench: &mut Bench<'_>) -> Judged {
@@ -77,7 +77,7 @@ fn period(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// With 1006h = 0 no SYNC is produced.
+/// With 1006h = 0 the device produces no SYNC.
 #[case(id = "301/sync/off", clause = "CiA 301 7.5.2.6", confidence = Cited, level = Must,
        needs = [SyncProducer], catches = [SyncNotStopped], cct = "6.4")]
 fn off(bench: &mut Bench<'_>) -> Judged {
@@ -93,7 +93,7 @@ fn off(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// In stopped no SYNC is produced; in pre-operational and operational it is.
+/// The device produces SYNC in pre-operational and operational, but not in stopped.
 #[case(id = "301/state/stopped/sync", clause = "CiA 301 7.3.2.2.5", confidence = Cited, level = Must,
        needs = [SyncProducer], catches = [SyncWhenStopped, SyncHangsWithoutCounter], cct = "9.4")]
 fn stopped(bench: &mut Bench<'_>) -> Judged {
@@ -111,7 +111,7 @@ fn stopped(bench: &mut Bench<'_>) -> Judged {
     bench.check(demand(heard.is_empty(), || counted("no SYNC is produced in stopped, in 300 ms", 0, Some(0), &heard)))
 }
 
-/// With a counter (1019h) SYNC has one byte that counts from 1 to the overflow value and begins anew.
+/// With a counter (1019h) SYNC has one byte, which counts from 1 to the overflow value and starts again.
 #[case(id = "301/sync/counter", clause = "CiA 301 7.2.5.2.2", confidence = Cited, level = Must,
        needs = [SyncProducer, SyncCounter], catches = [SyncCounterFromZero], cct = "6.7")]
 fn counter(bench: &mut Bench<'_>) -> Judged {
@@ -136,7 +136,7 @@ fn counter(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// The counter begins with 1 when the device leaves stopped.
+/// The SYNC counter starts with 1 when the device leaves stopped.
 #[case(id = "301/sync/counter-restarts", clause = "CiA 301 7.2.5.2.2", confidence = Cited, level = Must,
        needs = [SyncProducer, SyncCounter], catches = [SyncCounterNotReset, NmtStartWhenStoppedIgnored, SyncWhenStopped])]
 fn counter_restarts(bench: &mut Bench<'_>) -> Judged {
@@ -153,7 +153,7 @@ fn counter_restarts(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// Without a counter (1019h = 0) SYNC carries no data, whatever its CAN-ID.
+/// Without a counter (1019h = 0) SYNC carries no data, with any CAN-ID.
 #[case(id = "301/sync/no-counter", clause = "CiA 301 7.5.2.22", confidence = Cited, level = Must,
        needs = [SyncProducer], catches = [SyncAlwaysCounts, SyncMovedCounts], cct = "6.6")]
 fn no_counter(bench: &mut Bench<'_>) -> Judged {
@@ -185,7 +185,7 @@ fn has_no_data(bench: &mut Bench<'_>, heard: &[Record]) -> Judged {
     }))
 }
 
-/// 1019h takes 0 and 2 to 240; 1 and 241 to 255, which are reserved, are refused with abort 0609 0030h.
+/// 1019h accepts 0 and 2 to 240. The reserved values 1 and 241 to 255 are refused with abort 0609 0030h.
 #[case(id = "301/sync/overflow-range", clause = "CiA 301 7.5.2.22", confidence = Cited, level = Should,
        needs = [SyncCounter], catches = [SyncOverflowUnchecked], cct = "6.5")]
 fn overflow_range(bench: &mut Bench<'_>) -> Judged {
@@ -200,7 +200,7 @@ fn overflow_range(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// While 1006h is not 0, 1019h can't be changed: abort 0800 0022h or 0800 0000h.
+/// Writing 1019h while 1006h is not 0 is refused with abort 0800 0022h or 0800 0000h.
 #[case(id = "301/sync/overflow-while-running", clause = "CiA 301 7.5.2.22", confidence = Cited, level = Must,
        needs = [SyncCounter], catches = [SyncOverflowChangeWhileProducing], cct = "6.9")]
 fn overflow_while_running(bench: &mut Bench<'_>) -> Judged {
@@ -214,7 +214,7 @@ fn overflow_while_running(bench: &mut Bench<'_>) -> Judged {
     Ok(())
 }
 
-/// While the device produces SYNC, its CAN-ID does not change: the write is refused.
+/// The CAN-ID of SYNC does not change while the device produces SYNC: the device refuses the write.
 #[case(id = "301/sync/cob-id-while-producing", clause = "CiA 301 7.5.2.5", confidence = Cited, level = Must,
        needs = [SyncProducer], catches = [SyncIdChangeWhileProducing])]
 fn cob_id_while_producing(bench: &mut Bench<'_>) -> Judged {
@@ -228,19 +228,19 @@ fn cob_id_while_producing(bench: &mut Bench<'_>) -> Judged {
     Ok(())
 }
 
-/// 1005h names the predefined CAN-ID 080h as delivered.
+/// 1005h holds the predefined CAN-ID 080h as delivered.
 #[case(id = "301/sync/cob-id", clause = "CiA 301 7.5.2.5", confidence = Cited, level = Must,
        needs = [Sync], catches = [SyncIdWrong], cct = "6.1")]
 fn cob_id(bench: &mut Bench<'_>) -> Judged {
     let own = bench.read(COB_ID)?;
     bench.check(demand(number(&own) & 0x1FFF_FFFF == u32::from(sync::CAN_ID), || {
-        let breach = Breach::new(COB_ID, "1005h names the predefined CAN-ID of SYNC").expected("80h in bits 0 to 28");
+        let breach = Breach::new(COB_ID, "1005h holds the predefined CAN-ID of SYNC").expected("80h in bits 0 to 28");
         breach.found(Observation::Value(own))
     }))
 }
 
-/// Whether a consumer that expects a counter obeys a SYNC of another length than one byte: recorded only. It may report it
-/// by EMCY 8240h; of the TPDOs nothing is said.
+/// The case only records whether a consumer that expects a counter follows a SYNC whose length is not one byte. Such a
+/// consumer may report the SYNC by EMCY 8240h; the standard does not define what its TPDOs do.
 #[case(id = "301/sync/wrong-length", clause = "CiA 301 7.5.2.22", confidence = Cited, level = Open,
        needs = [SyncCounter, Tpdo, DynamicMapping], catches = [SyncLengthUnchecked])]
 fn wrong_length(bench: &mut Bench<'_>) -> Judged {
@@ -267,14 +267,14 @@ fn wrong_length(bench: &mut Bench<'_>) -> Judged {
             false => format!("SYNC of {} bytes is not reported by EMCY 8240h", wrong.len()),
         });
         bench.check(demand(heard.is_empty(), || {
-            let duty = format!("SYNC of {} bytes is not obeyed where a counter is expected", wrong.len());
+            let duty = format!("a consumer that expects a counter ignores SYNC of {} bytes", wrong.len());
             counted(duty, 0, Some(0), &heard)
         }))
     })
 }
 
-/// SYNC of the length that the device expects is no error: no EMCY of the protocol, 82xxh, comes, nor a generic one, 10xxh,
-/// with it.
+/// A SYNC with the expected length is no error: with it the device sends no EMCY for a protocol error (82xxh) and no
+/// generic EMCY (10xxh).
 #[case(id = "301/sync/no-error", clause = "CiA 301 7.2.7.1", confidence = Cited, level = Must,
        needs = [Sync], catches = [RightSyncReported])]
 fn no_error(bench: &mut Bench<'_>) -> Judged {
@@ -289,7 +289,7 @@ fn no_error(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// A device that only consumes SYNC refuses to produce it: abort 0609 0030h for bit 30 of 1005h.
+/// A device that only consumes SYNC refuses to produce it: setting bit 30 of 1005h is refused with abort 0609 0030h.
 #[case(id = "301/sync/consumer-only", clause = "CiA 301 7.5.2.5", confidence = Cited, level = Must,
        needs = [Sync], catches = [SyncProducerBitAccepted])]
 fn consumer_only(bench: &mut Bench<'_>) -> Judged {
@@ -320,8 +320,8 @@ fn consumer_only(bench: &mut Bench<'_>) -> Judged {
     bench.check(attempt.refused(situation))
 }
 
-/// Whether a stored synchronous counter overflow value is there after reset node: recorded only, as a device need not store
-/// each parameter. The old one is stored again.
+/// The case only records whether a stored synchronous counter overflow value is restored after reset node, because a
+/// device does not have to store every parameter. The case stores the old value again.
 #[case(id = "301/sync/overflow-stored", clause = "CiA 301 7.5.2.13", confidence = Cited, level = Open,
        needs = [SyncCounter, Store], touches = [Nvm], catches = [StoreWithoutEffect], cct = "6.8")]
 fn overflow_stored(bench: &mut Bench<'_>) -> Judged {

@@ -12,8 +12,8 @@ use canvass_bus::observation::Observation;
 /// A CAN-ID outside the predefined connection set.
 const FREE: u32 = 0x6B8;
 
-/// With another CAN-ID in 1005h a synchronous TPDO follows SYNC with that one, and no longer SYNC with the old one. After reset
-/// communication it follows SYNC with the CAN-ID that 1005h names then.
+/// With another CAN-ID in 1005h a synchronous TPDO follows SYNC with the new CAN-ID, and no longer SYNC with the old
+/// one. After reset communication it follows SYNC with the CAN-ID that 1005h then holds.
 #[case(id = "301/sync/moved", clause = "CiA 301 7.5.2.5", confidence = Cited, level = Must,
        needs = [Tpdo, Sync, DynamicMapping], catches = [SyncKeepsCanId])]
 fn moved(bench: &mut Bench<'_>) -> Judged {
@@ -31,7 +31,7 @@ fn moved(bench: &mut Bench<'_>) -> Judged {
     bench.write(COB_ID, &moved.to_le_bytes())?;
     let read = bench.read_number(COB_ID)?;
     bench.check(demand(read & 0x1FFF_FFFF == FREE, || {
-        let breach = Breach::new(COB_ID, "1005h has the CAN-ID that was written");
+        let breach = Breach::new(COB_ID, "1005h reads back the CAN-ID that was written");
         breach.expected(Observation::Number(moved.into())).found(Observation::Number(read.into()))
     }))?;
     follows(bench, FREE as u16, old)?;
@@ -55,14 +55,12 @@ fn follows(bench: &mut Bench<'_>, right: u16, wrong: u16) -> Judged {
     let heard = bench.frames_of(tpdo, bench.shortly())?;
     let there = count(&heard, tpdo);
     bench.check(demand(there == 0, || {
-        counted("a TPDO of type 1 does not follow SYNC with a CAN-ID that 1005h does not name", 0, there)
+        counted("a TPDO of type 1 follows no SYNC with another CAN-ID than that of 1005h", 0, there)
     }))?;
     bench.send_bytes(right, &[])?;
     let heard = bench.frames_of(tpdo, bench.shortly())?;
     let there = count(&heard, tpdo);
-    bench.check(demand(there == 1, || {
-        counted("a TPDO of type 1 follows SYNC with the CAN-ID that 1005h names", 1, there)
-    }))?;
+    bench.check(demand(there == 1, || counted("a TPDO of type 1 follows SYNC with the CAN-ID of 1005h", 1, there)))?;
     bench.command(Command::ENTER_PRE_OPERATIONAL)?;
     Ok(())
 }

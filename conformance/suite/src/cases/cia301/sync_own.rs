@@ -9,8 +9,8 @@ use crate::verdict::{Allowed, Breach, Judged, demand};
 use canvass_bus::observation::Observation;
 use canvass_traces::Duration;
 
-/// Whether a TPDO of type 1 follows each SYNC that the device produces itself: recorded only, as CiA 301 speaks of those that
-/// are received.
+/// The case only records whether a TPDO of transmission type 1 follows each SYNC that the device itself produces,
+/// because CiA 301 defines this only for received SYNC.
 #[case(id = "301/sync/own", clause = "CiA 301 7.2.5.1", confidence = Cited, level = Open,
        needs = [SyncProducer, Changeable], catches = [SyncOwnUnheeded])]
 fn own(bench: &mut Bench<'_>) -> Judged {

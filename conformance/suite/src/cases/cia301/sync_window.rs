@@ -39,8 +39,8 @@ pub(super) fn count(heard: &[Record], can_id: u16) -> usize {
     heard.iter().filter(|record| record.frame.cob_id() == Some(can_id)).count()
 }
 
-/// Whether a synchronous TPDO that does not get onto the bus within the synchronous window, 1007h, is still sent: recorded
-/// only. It may be discarded.
+/// The case only records whether the device still sends a synchronous TPDO that could not be sent within the
+/// synchronous window (1007h). The device may discard such a TPDO.
 #[case(id = "301/sync/window", clause = "CiA 301 7.5.2.7", confidence = Cited, level = Open,
        needs = [EventTimer, Sync, DynamicMapping], catches = [SyncWindowIgnored])]
 fn window(bench: &mut Bench<'_>) -> Judged {
@@ -49,7 +49,7 @@ fn window(bench: &mut Bench<'_>) -> Judged {
     }
     if bench.bit_rate().is_none() {
         // On a bus without wires, frames do not delay each other.
-        let reason = Reason::new("frames take their time on the bus", "a known bit rate", "none, as a vcan has none");
+        let reason = Reason::new("the transmission time of frames is known", "a known bit rate", "none, as on a vcan");
         return Err(Stop::NotApplicable(reason));
     }
     let can_id = synchronous(bench)?;
@@ -88,8 +88,10 @@ fn free_in_between(bench: &Bench<'_>, sync: u16) -> Reason {
     let crowd = sent.get(sent.len().saturating_sub(FRAMES + 1)..).unwrap_or_default();
     let gap = crowd.iter().zip(crowd.iter().skip(1)).map(|(before, after)| after.since(*before)).max();
     match gap.filter(|&gap| gap > LONGEST_GAP) {
-        Some(gap) => Reason::new(KEEPS_UP, "one frame after the other", format!("a gap of {gap} between two frames")),
-        None => Reason::new("the bus is busy while the window is open", "no gap", "a TPDO came through at once"),
+        Some(gap) => {
+            Reason::new(KEEPS_UP, "frames without a gap between them", format!("a gap of {gap} between two frames"))
+        }
+        None => Reason::new("the bus is busy while the window is open", "no gap", "a TPDO was sent immediately"),
     }
 }
 
@@ -104,7 +106,7 @@ fn came_after_the_window(bench: &Bench<'_>, sync: u16, can_id: u16) -> bool {
     after.is_some_and(|after| after > Duration::from_micros(WINDOW_US.into()))
 }
 
-/// Where SYNC has a counter and a TPDO no SYNC start value, the TPDO follows each SYNC, whatever its number is.
+/// A TPDO without SYNC start value follows each SYNC with a counter, whatever the counter value is.
 #[case(id = "301/sync/counter-obeyed", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Must,
        needs = [EventTimer, SyncCounter, DynamicMapping], catches = [SyncWithoutStartValueIgnored])]
 fn counter_obeyed(bench: &mut Bench<'_>) -> Judged {
@@ -127,7 +129,7 @@ fn counter_obeyed(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// A SYNC in pre-operational does not count: after the start the first synchronous TPDO follows the next SYNC.
+/// A SYNC in pre-operational has no effect: the first synchronous TPDO follows the first SYNC after the start.
 #[case(id = "301/sync/before-start", clause = "CiA 301 7.3.2.2.2", confidence = Cited, level = Must,
        needs = [EventTimer, Sync, DynamicMapping], catches = [SyncRememberedOverStart, TpdoInPreOperational])]
 fn before_start(bench: &mut Bench<'_>) -> Judged {
@@ -142,6 +144,8 @@ fn before_start(bench: &mut Bench<'_>) -> Judged {
     let after = bench.listen(Duration::from_millis(50))?;
     let [before, started, after] = [&before, &started, &after].map(|heard| count(heard, can_id));
     bench.check(demand(before == 0, || counted("a SYNC in pre-operational causes no TPDO", 0, before)))?;
-    bench.check(demand(started == 0, || counted("nor does it cause one after the start", 0, started)))?;
+    bench.check(demand(started == 0, || {
+        counted("a SYNC in pre-operational causes no TPDO after the start", 0, started)
+    }))?;
     bench.check(demand(after == 1, || counted("TPDO 1 of type 1 follows the first SYNC in operational", 1, after)))
 }

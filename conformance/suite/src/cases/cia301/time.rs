@@ -33,18 +33,18 @@ fn switch_on(bench: &mut Bench<'_>, bit: u32, what: &str) -> Result<(), Stop> {
     Err(Stop::NotApplicable(Reason::new(duty, "a bit of 1012h that can be set", code.to_string())))
 }
 
-/// 1012h names the predefined CAN-ID 100h as delivered.
+/// 1012h holds the predefined CAN-ID 100h as delivered.
 #[case(id = "301/time/cob-id", clause = "CiA 301 7.5.2.15", confidence = Cited, level = Must,
        needs = [Time], catches = [TimeIdWrong])]
 fn cob_id(bench: &mut Bench<'_>) -> Judged {
     let own = bench.read(COB_ID)?;
     bench.check(demand(number(&own) & 0x1FFF_FFFF == u32::from(time::CAN_ID), || {
-        let breach = Breach::new(COB_ID, "1012h names the predefined CAN-ID of TIME").expected("100h in bits 0 to 28");
+        let breach = Breach::new(COB_ID, "1012h holds the predefined CAN-ID of TIME").expected("100h in bits 0 to 28");
         breach.found(Observation::Value(own))
     }))
 }
 
-/// While TIME is consumed or produced, its CAN-ID does not change: the write is refused.
+/// The CAN-ID of TIME does not change while the device consumes or produces TIME: the device refuses the write.
 #[case(id = "301/time/cob-id-while-valid", clause = "CiA 301 7.5.2.15", confidence = Cited, level = Must,
        needs = [Time], catches = [TimeIdChangeWhileValid])]
 fn cob_id_while_valid(bench: &mut Bench<'_>) -> Judged {
@@ -59,7 +59,7 @@ fn cob_id_while_valid(bench: &mut Bench<'_>) -> Judged {
     bench.expect_unchanged(COB_ID, &own)
 }
 
-/// Restricted CAN-IDs are refused for TIME.
+/// The device refuses restricted CAN-IDs for TIME.
 #[case(id = "301/time/restricted", clause = "CiA 301 7.3.5", confidence = Cited, level = Must,
        needs = [Time], catches = [RestrictedCanIdAccepted], cct = "8.10")]
 fn restricted(bench: &mut Bench<'_>) -> Judged {
@@ -71,8 +71,8 @@ fn restricted(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// Whether a consumer of TIME takes the time over, so that an object of type TIME_OF_DAY that the description names shows it:
-/// recorded only. How a device uses TIME is its own matter.
+/// The case only records whether a TIME consumer adopts the received time, so that an object of type TIME_OF_DAY in the
+/// description shows it. Each device decides how it uses TIME.
 #[case(id = "301/time/consumer", clause = "CiA 301 7.2.6.1", confidence = Cited, level = Open,
        needs = [Time, Description], catches = [TimeIgnored, ClockStands])]
 fn consumer(bench: &mut Bench<'_>) -> Judged {
@@ -108,8 +108,8 @@ fn consumer(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// Whether a device that accepts bit 30 of 1012h sends TIME within 5 s on the CAN-ID that 1012h names: recorded only,
-/// as CiA 301 does not say when a producer sends it.
+/// The case only records whether a device that accepts bit 30 of 1012h sends TIME within 5 s on the CAN-ID in 1012h,
+/// because CiA 301 does not say when a producer sends it.
 #[case(id = "301/time/produced", clause = "CiA 301 7.5.2.15", confidence = Cited, level = Open,
        needs = [Time], catches = [TimeNotProduced])]
 fn produced(bench: &mut Bench<'_>) -> Judged {
@@ -129,8 +129,8 @@ fn produced(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// Whether the high resolution time stamp, 1013h, goes on by one for each microsecond after it was written: recorded only, as
-/// its use is left to the device.
+/// The case only records whether the high resolution time stamp, 1013h, increases by one per microsecond after it was
+/// written, because its use is left to the device.
 #[case(id = "301/time/high-resolution", clause = "CiA 301 7.5.2.16", confidence = Cited, level = Open,
        needs = [], catches = [ClockStands, StampSetByOthers])]
 fn high_resolution(bench: &mut Bench<'_>) -> Judged {
@@ -152,15 +152,15 @@ fn high_resolution(bench: &mut Bench<'_>) -> Judged {
     let passed = bench.now().since(from).nanos() / 1_000;
     let is_near = u64::from(shown.wrapping_sub(written)).abs_diff(passed) <= 1_000 * CLOCK_ERROR_MS;
     bench.check(demand(is_near, || {
-        Breach::new(STAMP, format!("1013h goes on from {written}, {passed} µs later"))
+        Breach::new(STAMP, format!("1013h counts on from {written}, {passed} µs later"))
             .expected(Observation::Number(u64::from(written) + passed))
             .found(Observation::Number(shown.into()))
     }))
 }
 
-/// A producer sends TIME of six bytes; the four bits above the milliseconds, which are reserved, are 0.
+/// A TIME producer sends six bytes. The four reserved bits above the milliseconds are 0.
 ///
-/// CiA 301 leaves the value of reserved bits undefined: 0 is what consumers rely on.
+/// CiA 301 leaves the value of reserved bits undefined, but consumers rely on 0.
 #[case(id = "301/time/producer", clause = "CiA 301 7.2.6.3.1", confidence = Cited, level = Should,
        needs = [Time], catches = [TimeReservedBitsSet])]
 fn producer(bench: &mut Bench<'_>) -> Judged {

@@ -44,9 +44,9 @@ fn tpdos(bench: &mut Bench<'_>, cob_id: u16, span: Duration) -> Result<Vec<Recor
     Ok(heard)
 }
 
-/// With an event timer the TPDO comes at that period in operational, or at its inhibit time where that is longer.
+/// In operational the device sends a TPDO with the period of its event timer, or of its inhibit time if that is longer.
 ///
-/// Judged is the mean over ten periods; a single one may be longer by a half.
+/// The case judges the mean over ten periods; a single period may be up to one half longer.
 #[case(id = "301/tpdo/event-timer", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Must,
        needs = [EventTimer], catches = [EventTimerDoubled], cct = "3.5")]
 fn event_timer(bench: &mut Bench<'_>) -> Judged {
@@ -78,14 +78,14 @@ fn event_timer(bench: &mut Bench<'_>) -> Judged {
     bench.check(demand(longest <= most, || breach(most).found(Observation::Time(longest))))
 }
 
-/// In pre-operational no TPDO is sent, even where its event timer runs.
+/// The device sends no TPDO in pre-operational, even if an event timer is running.
 #[case(id = "301/state/pre-operational/tpdo", clause = "CiA 301 7.3.2.2.2", confidence = Cited, level = Must,
        needs = [Tpdo], catches = [TpdoInPreOperational], cct = "9.2")]
 fn pre_operational(bench: &mut Bench<'_>) -> Judged {
     silent_unless_operational(bench, Command::ENTER_PRE_OPERATIONAL)
 }
 
-/// In stopped no TPDO is sent, even where its event timer runs.
+/// The device sends no TPDO in stopped, even if an event timer is running.
 #[case(id = "301/state/stopped/tpdo", clause = "CiA 301 7.3.2.2.5", confidence = Cited, level = Must,
        needs = [Tpdo], catches = [TpdoWhenStopped], cct = "9.4")]
 fn stopped(bench: &mut Bench<'_>) -> Judged {
@@ -190,7 +190,7 @@ impl Trigger {
 /// The shortest pause after a SYNC.
 const LEAST_PAUSE: Duration = Duration::from_millis(20);
 
-/// A TPDO of transmission type n is sent once for every n SYNCs.
+/// The device sends a TPDO of transmission type n once for every n SYNCs.
 #[case(id = "301/tpdo/sync-cycle", clause = "CiA 301 7.2.2.2", confidence = Cited, level = Must,
        needs = [Tpdo], catches = [SyncCycleIgnored], cct = "6.3")]
 fn sync_cycle(bench: &mut Bench<'_>) -> Judged {
@@ -228,7 +228,7 @@ fn sync_cycle(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// Between two TPDOs at least the inhibit time passes, whatever the event timer says.
+/// At least the inhibit time passes between two TPDOs, whatever the event timer is.
 #[case(id = "301/tpdo/inhibit-time", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Must,
        needs = [EventTimer], catches = [InhibitTimeIgnored])]
 fn inhibit_time(bench: &mut Bench<'_>) -> Judged {

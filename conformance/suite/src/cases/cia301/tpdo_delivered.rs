@@ -8,7 +8,7 @@ use canvass_analyzer::wire::nmt::Command;
 use canvass_bus::observation::{Observation, Subject};
 use canvass_traces::Duration;
 
-/// A TPDO that is synchronous as delivered is not sent without SYNC, also not when the device starts.
+/// A TPDO that is synchronous as delivered is not sent without SYNC, not even when the device starts.
 #[case(id = "301/tpdo/synchronous-as-delivered", clause = "CiA 301 7.2.2.2", confidence = Cited, level = Must,
        needs = [Tpdo, Sync], catches = [SynchronousTpdoAtStart])]
 fn synchronous_as_delivered(bench: &mut Bench<'_>) -> Judged {
@@ -26,7 +26,7 @@ fn synchronous_as_delivered(bench: &mut Bench<'_>) -> Judged {
     bench.listen(Duration::from_millis(300))?;
     let heard = bench.heard_since(begun);
     if heard.iter().any(|record| record.frame.cob_id() == Some(sync)) {
-        return Err(Stop::Inconclusive(Reason::new("nobody sends SYNC", "none", "SYNC on the bus")));
+        return Err(Stop::Inconclusive(Reason::new("no other node sends SYNC", "none", "SYNC on the bus")));
     }
     bench.each(synchronous, |bench, (number, can_id)| {
         let sent = heard.iter().filter(|record| record.frame.cob_id() == Some(can_id)).count() as u64;

@@ -65,8 +65,8 @@ fn remote(bench: &mut Bench<'_>, subject: &Subject) -> Result<Vec<Record>, Stop>
     Ok(heard.into_iter().filter(|record| !record.frame.is_remote()).collect())
 }
 
-/// Whether a TPDO of transmission type 0 is sent with the SYNC after a change of its value by SDO, and with no other:
-/// recorded only. Which events there are is the application's matter.
+/// The case only records whether the device sends a TPDO of transmission type 0 at the SYNC after an SDO download has
+/// changed its value, and at no other SYNC. The application decides which events trigger a TPDO.
 #[case(id = "301/tpdo/acyclic", clause = "CiA 301 7.2.2.2", confidence = Cited, level = Open,
        needs = [Changeable, Sync], catches = [AcyclicTpdoWithoutEvent], cct = "3.7")]
 fn acyclic(bench: &mut Bench<'_>) -> Judged {
@@ -84,10 +84,13 @@ fn acyclic(bench: &mut Bench<'_>) -> Judged {
     bench.check(demand(after == 1, || {
         counted("a change causes one TPDO of type 0 with the next SYNC", 1, Some(1), after)
     }))?;
-    bench.check(demand(then == 0, || counted("and none with the SYNC after it", 0, Some(0), then)))
+    bench.check(demand(then == 0, || {
+        counted("a change causes no second TPDO of type 0 with the SYNC after that", 0, Some(0), then)
+    }))
 }
 
-/// A TPDO of transmission type 1 follows each SYNC before the next one. Median and maximum of the delay are reported.
+/// A TPDO of transmission type 1 follows each SYNC before the next SYNC. The case reports median and maximum of the
+/// delay.
 #[case(id = "301/tpdo/sync-latency", clause = "CiA 301 7.2.2.2", confidence = Cited, level = Must,
        needs = [Changeable, Sync], catches = [SyncOverlooked], cct = "3.6")]
 fn sync_latency(bench: &mut Bench<'_>) -> Judged {
@@ -103,8 +106,9 @@ fn sync_latency(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// Whether a synchronous TPDO comes within 20 ms after SYNC, or within the window that 1007h sets: recorded only. Without
-/// 1007h there is no limit, and what comes after the window may be discarded, but need not be.
+/// The case only records whether a synchronous TPDO follows SYNC within 20 ms, or within the window of 1007h if it is
+/// set. CiA 301 sets no limit without 1007h; with 1007h a device may discard a TPDO after the window, but does not have
+/// to.
 #[case(id = "301/tpdo/sync-delay", clause = "CiA 301 7.2.2.2", confidence = Cited, level = Open,
        needs = [Changeable, Sync], catches = [SyncTpdoLate])]
 fn sync_delay(bench: &mut Bench<'_>) -> Judged {
@@ -149,7 +153,7 @@ fn sync_delays(bench: &mut Bench<'_>) -> Result<Vec<Duration>, Stop> {
     Ok(delays)
 }
 
-/// A TPDO carries as many objects as sub-index 0 of its mapping says, though further entries are filled.
+/// A TPDO carries the number of objects in sub-index 0 of its mapping, even if further mapping entries are set.
 #[case(id = "301/tpdo/mapping/beyond-count", clause = "CiA 301 7.5.2.38", confidence = Cited, level = Must,
        needs = [Changeable, Sync], catches = [TpdoBeyondCount])]
 fn beyond_count(bench: &mut Bench<'_>) -> Judged {
@@ -169,13 +173,14 @@ fn beyond_count(bench: &mut Bench<'_>) -> Judged {
     };
     let [right, found] = [subject.values[0].len(), first.data().len()].map(|bytes| bytes as u64);
     bench.check(demand(found == right, || {
-        let duty = "a TPDO whose mapping has one valid entry has the bytes of that, though the second one is filled";
+        let duty =
+            "a TPDO whose mapping counts one entry has the bytes of that entry only, although the second one is set";
         Breach::new(TPDO.subject(), duty).expected(Observation::Number(right)).found(Observation::Number(found))
     }))
 }
 
-/// The count of SYNCs of a TPDO of type n begins anew when the device becomes operational: of the first n SYNCs the same one
-/// causes it each time. Which one it is, is the device's matter.
+/// The SYNC count of a TPDO of transmission type n starts again when the device becomes operational: each time the same
+/// one of the first n SYNCs triggers the TPDO. The device decides which of them it is.
 #[case(id = "301/tpdo/sync-count-restarts", clause = "CiA 301 7.3.2.2.3", confidence = Cited, level = Should,
        needs = [Changeable, Sync], catches = [SyncCountNotReset, NmtEnterPreOperationalIgnored])]
 fn sync_count_restarts(bench: &mut Bench<'_>) -> Judged {
@@ -210,8 +215,8 @@ fn cycle(bench: &mut Bench<'_>, subject: &Subject) -> Result<[usize; 3], Stop> {
     Ok([sync(bench, subject)?.len(), sync(bench, subject)?.len(), sync(bench, subject)?.len()])
 }
 
-/// Whether a change of its value by SDO sends an event-driven TPDO at once: recorded only. Which events there are is the
-/// application's matter.
+/// The case only records whether an SDO download that changes the value of an event-driven TPDO triggers it at once.
+/// The application decides which events trigger a TPDO.
 #[case(id = "301/tpdo/change", clause = "CiA 301 7.2.2.3", confidence = Cited, level = Open,
        needs = [Changeable], catches = [TpdoLostAfterSdo], cct = "3.4")]
 fn change(bench: &mut Bench<'_>) -> Judged {
@@ -228,7 +233,8 @@ fn change(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// Whether event-driven TPDOs are sent once when the device becomes operational: recorded only. By annex A they may be.
+/// The case only records whether the device sends event-driven TPDOs once when it becomes operational. Annex A of CiA
+/// 301 allows this.
 #[case(id = "301/tpdo/at-start", clause = "CiA 301 annex A", confidence = Cited, level = Open,
        needs = [Changeable], catches = [TpdoNotSentAtStart])]
 fn at_start(bench: &mut Bench<'_>) -> Judged {
@@ -241,7 +247,8 @@ fn at_start(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// An event timer of 20 ms is kept on average, or the inhibit time where that is longer: not a tick too long.
+/// The mean period of a TPDO with an event timer of 20 ms is 20 ms, or its inhibit time if that is longer: not one
+/// timer tick more.
 #[case(id = "301/tpdo/event-timer-mean", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Must,
        needs = [EventTimer], catches = [EventTimerOffByOne, EventTimerDoubled])]
 fn event_timer_mean(bench: &mut Bench<'_>) -> Judged {
@@ -274,7 +281,7 @@ fn event_timer_mean(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// The inhibit time counts in 100 microseconds: with 1000 a TPDO may come every 100 ms.
+/// The inhibit time has a unit of 100 microseconds: with a value of 1000 a TPDO may be sent every 100 ms.
 #[case(id = "301/tpdo/inhibit-unit", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Must,
        needs = [EventTimer, DynamicMapping], catches = [InhibitTimeInMilliseconds])]
 fn inhibit_unit(bench: &mut Bench<'_>) -> Judged {
@@ -289,7 +296,7 @@ fn inhibit_unit(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// A TPDO of transmission type 253 is sent when a remote frame asks for it.
+/// A remote frame triggers a TPDO of transmission type 253.
 #[case(id = "301/tpdo/remote-triggered", clause = "CiA 301 7.2.2.3", confidence = Cited, level = Should,
        needs = [Changeable], catches = [TpdoRemoteIgnored], cct = "3.3",
        answers = [InvalidValue])]
@@ -302,7 +309,7 @@ fn on_remote(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// A TPDO of transmission type 252 holds the values at the last SYNC when a remote frame asks for it.
+/// A remote frame triggers a TPDO of transmission type 252, which carries the values at the last SYNC.
 #[case(id = "301/tpdo/remote-sampled", clause = "CiA 301 7.2.2.3", confidence = Cited, level = Should,
        needs = [Changeable, Sync], catches = [RtrTypeSampledAtOnce],
        answers = [InvalidValue])]
@@ -315,7 +322,8 @@ fn remote_sampled(bench: &mut Bench<'_>) -> Judged {
     let found = heard.first().map_or(Observation::Silence, |answer| Observation::Value(answer.data().to_vec()));
     let right = Observation::Value(subject.values[0].clone());
     bench.check(demand(found == right, || {
-        let duty = "a remote frame is answered by TPDO 1 of type 252 with the value of the last SYNC, not of now";
+        let duty =
+            "a remote frame is answered by TPDO 1 of type 252 with the value at the last SYNC, not the current one";
         Breach::new(TPDO.subject(), duty).expected(right).found(found)
     }))
 }
@@ -342,7 +350,7 @@ fn remote_subject(bench: &mut Bench<'_>, transmission_type: u8) -> Result<Subjec
     Ok(subject)
 }
 
-/// A remote frame for a TPDO with bit 30 of its COB-ID set is not answered.
+/// The device does not answer a remote frame for a TPDO with bit 30 of its COB-ID set.
 #[case(id = "301/tpdo/remote-forbidden", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Must,
        needs = [Changeable], catches = [RemoteFrameAnsweredWhenNotAllowed])]
 fn remote_forbidden(bench: &mut Bench<'_>) -> Judged {
@@ -352,12 +360,12 @@ fn remote_forbidden(bench: &mut Bench<'_>) -> Judged {
     operational(bench)?;
     let heard = remote(bench, &subject)?;
     bench.check(demand(heard.is_empty(), || {
-        counted("a remote frame is not answered where bit 30 forbids it", 0, Some(0), heard.len())
+        counted("a remote frame is not answered while bit 30 forbids it", 0, Some(0), heard.len())
     }))
 }
 
-/// With a SYNC start value and a SYNC counter, whichever was written first, the first TPDO follows the SYNC of that number, and
-/// one each SYNC after it.
+/// With a SYNC start value and a SYNC counter the first TPDO follows the SYNC with that counter value, and a further
+/// TPDO follows each later SYNC. This holds whichever of the two was written first.
 #[case(id = "301/tpdo/sync-start", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Must,
        needs = [Changeable, SyncCounter], catches = [SyncStartValueIgnored, LateSyncCounterOverlooked, SyncStartAgain], cct = "3.8")]
 fn sync_start(bench: &mut Bench<'_>) -> Judged {
@@ -407,7 +415,7 @@ fn begins_with(bench: &mut Bench<'_>, can_id: u16, start: u8) -> Judged {
     }))
 }
 
-/// A TPDO has as many bytes as its mapping.
+/// A TPDO has the number of bytes of its mapping.
 #[case(id = "301/tpdo/length", clause = "CiA 301 7.5.2.38", confidence = Cited, level = Must,
        needs = [EventTimer], catches = [TpdoTooLong])]
 fn length(bench: &mut Bench<'_>) -> Judged {

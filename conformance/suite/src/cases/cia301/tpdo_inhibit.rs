@@ -14,8 +14,9 @@ const INHIBIT: Duration = Duration::from_millis(300);
 /// The inhibit time in units of 100 µs.
 const UNITS: u16 = 3_000;
 
-/// A value that changes within the inhibit time is sent when that is over, by a device that sends a TPDO whenever its value
-/// changes: consumers would keep the old one else. The inhibit time delays a transmission; that it cancels one is not said.
+/// If the device sends a TPDO whenever its value changes, it sends a change within the inhibit time after that time;
+/// otherwise consumers would keep the old value. CiA 301 says that the inhibit time delays a transmission, but not that
+/// it cancels one.
 #[case(id = "301/tpdo/inhibit-pending", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Should,
        needs = [Changeable], catches = [TpdoLostWhenInhibited])]
 fn pending(bench: &mut Bench<'_>) -> Judged {
@@ -36,14 +37,15 @@ fn pending(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// What had to wait for the inhibit time is sent once. A device that was silent before the change is silent again after it.
+/// A TPDO that waited for its inhibit time is sent once. If the device sent no TPDO without a change, it sends no
+/// further TPDO afterwards.
 #[case(id = "301/tpdo/inhibit-once", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Should,
        needs = [Changeable], catches = [TpdoRepeatsAfterInhibit])]
 fn once(bench: &mut Bench<'_>) -> Judged {
     let subject = inhibited(bench)?;
     let before = bench.frames_of(subject.can_id, INHIBIT.times(4))?;
     if !before.is_empty() {
-        let reason = Reason::new("TPDO 1 is sent by changes alone", "silence without one", "a TPDO");
+        let reason = Reason::new("only changes send TPDO 1", "silence without a change", "a TPDO");
         return Err(Stop::NotApplicable(reason));
     }
     let [first, other] = &subject.values;

@@ -28,9 +28,9 @@ fn candidates(bench: &mut Bench<'_>) -> Result<Vec<(u16, u16)>, Stop> {
     Ok(found)
 }
 
-/// A TPDO whose COB-ID allows remote frames (bit 30 is 0) answers one in operational.
+/// A TPDO whose COB-ID allows remote frames (bit 30 is 0) is sent in answer to a remote frame in operational.
 ///
-/// CiA recommends to do without remote frames; a device that does not answer them says so in bit 30.
+/// CiA recommends not to use remote frames; a device that does not answer them indicates this in bit 30.
 #[case(id = "301/tpdo/remote", clause = "CiA 301 7.2.2.5.2", confidence = Cited, level = Should,
        catches = [TpdoRemoteUnanswered, SecondTpdoMissing], cct = "3.8")]
 fn remote(bench: &mut Bench<'_>) -> Judged {
@@ -66,7 +66,11 @@ fn remote(bench: &mut Bench<'_>) -> Judged {
         }))
     })?;
     if asked == 0 {
-        let reason = Reason::new("a TPDO can be asked for", "bit 30 of 180xh:01 is 0", "none that is quiet by itself");
+        let reason = Reason::new(
+            "a TPDO allows remote frames",
+            "bit 30 of 180xh:01 is 0",
+            "none that is silent without a remote frame",
+        );
         return Err(Stop::NotApplicable(reason));
     }
     Ok(())

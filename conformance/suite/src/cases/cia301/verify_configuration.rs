@@ -18,7 +18,7 @@ fn stamp(bench: &mut Bench<'_>) -> Judged {
     for (at, value) in [DATE, TIME].into_iter().zip(STAMP) {
         bench.download(at, &value)?.expect_confirmation()?;
     }
-    holds(bench, STAMP, "1020h holds what was written")
+    holds(bench, STAMP, "1020h holds the written value")
 }
 
 fn holds(bench: &mut Bench<'_>, expected: [[u8; 4]; 2], duty: &str) -> Judged {
@@ -30,7 +30,8 @@ fn holds(bench: &mut Bench<'_>, expected: [[u8; 4]; 2], duty: &str) -> Judged {
 
 /// Date and time in 1020h are 0 as soon as a parameter is changed.
 ///
-/// The standard demands that of changes to boot-up values, and leaves open whether a change that is not stored is one.
+/// The standard demands this for changes of boot-up values, and leaves open whether it includes a change that is not
+/// stored.
 #[case(id = "301/verify-configuration/cleared", clause = "CiA 301 7.5.2.23", confidence = Cited, level = Should,
        needs = [VerifyConfiguration, ScratchObject], catches = [ConfigurationDateKept], cct = "8.9")]
 fn cleared(bench: &mut Bench<'_>) -> Judged {
@@ -41,7 +42,7 @@ fn cleared(bench: &mut Bench<'_>) -> Judged {
     holds(bench, [[0; 4]; 2], &duty)
 }
 
-/// Date and time in 1020h that were stored are there after reset node. The ones of before are stored again.
+/// A stored date and time in 1020h are restored after reset node. The case stores the old values again afterwards.
 #[case(id = "301/verify-configuration/stored", clause = "CiA 301 7.5.2.23", confidence = Cited, level = Must,
        needs = [VerifyConfiguration, Store], touches = [Nvm], catches = [ConfigurationDateLost, StoreWithoutEffect],
        cct = "8.9")]

@@ -29,8 +29,9 @@ fn number(bench: &mut Bench<'_>, multiplexer: Multiplexer) -> Result<u32, Stop> 
     }
 }
 
-/// 1004h counts the PDOs: receive PDOs in the upper half, transmit PDOs in the lower half; sub-index 0 is the sum of the
-/// synchronous ones in 1 and the asynchronous ones in 2, and as many as there are communication parameters.
+/// 1004h counts the PDOs, RPDOs in the upper half and TPDOs in the lower half. Sub-index 0 is the sum of the
+/// synchronous PDOs in sub-index 1 and the asynchronous PDOs in sub-index 2, and equals the number of communication
+/// parameters.
 #[case(id = "301/dictionary/number-of-pdos", clause = "CiA 301", confidence = Unknown, level = Should,
        needs = [Description], catches = [PdoCountWrong])]
 fn number_of_pdos(bench: &mut Bench<'_>) -> Judged {
@@ -50,12 +51,12 @@ fn number_of_pdos(bench: &mut Bench<'_>) -> Judged {
     };
     let there = count(0x1400, 0x15FF) << 16 | count(0x1800, 0x19FF);
     bench.check(demand(there == all, || {
-        let breach = Breach::new(PDOS, "1004h:00 counts the PDOs that there are");
+        let breach = Breach::new(PDOS, "1004h:00 counts the PDOs of the device");
         breach.expected(format!("{there:08X}h")).found(found)
     }))
 }
 
-/// 100Bh is the node-ID.
+/// 100Bh holds the node-ID.
 #[case(id = "301/dictionary/node-id", clause = "CiA 301", confidence = Unknown, level = Should,
        catches = [NodeIdObjectWrong])]
 fn node_id(bench: &mut Bench<'_>) -> Judged {
@@ -68,7 +69,7 @@ fn node_id(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// 100Eh is the COB-ID on which guarding is answered: 700h + node-ID.
+/// 100Eh holds the COB-ID of the guarding answers: 700h + node-ID.
 #[case(id = "301/guarding/cob-id", clause = "CiA 301", confidence = Unknown, level = Should,
        catches = [GuardingCobIdWrong])]
 fn guarding_cob_id(bench: &mut Bench<'_>) -> Judged {
@@ -93,8 +94,8 @@ fn with_each_sync(bench: &mut Bench<'_>) -> Result<Option<u16>, Stop> {
     Ok(None)
 }
 
-/// Whether a device of DS-301 V3.0, delivered with bit 31 of 1005h, listens to SYNC with that bit only: recorded, as the
-/// fourth edition gives the bit no meaning.
+/// The case only records whether a device of DS-301 V3.0 that is delivered with bit 31 of 1005h set consumes SYNC only
+/// while that bit is set, because the fourth edition gives the bit no meaning.
 #[case(id = "301/sync/consumer-bit", clause = "CiA 301 7.5.2.5", confidence = Cited, level = Open,
        needs = [Tpdo], catches = [SyncConsumerBitIgnored])]
 fn consumer_bit(bench: &mut Bench<'_>) -> Judged {

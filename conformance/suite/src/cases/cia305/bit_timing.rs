@@ -10,7 +10,8 @@ use canvass_analyzer::wire::lss::{ConfigureCommand, Lss, MASTER_CAN_ID, Request,
 use canvass_bus::observation::Observation;
 use canvass_traces::Duration;
 
-/// Bit rates of the standard table that the description names are confirmed; all others are refused with error 1.
+/// The slave confirms the bit rates of the standard table that the description names, and refuses all others with error
+/// code 1.
 #[case(id = "305/bit-timing/table", clause = "CiA 305 6.4.3", confidence = Attested, level = Must,
        needs = [Lss, Alone, Description], touches = [BitRate], catches = [LssBitTimingRefused])]
 fn table(bench: &mut Bench<'_>) -> Judged {
@@ -39,7 +40,7 @@ fn table(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// Reserved rows and tables of bit timings are refused with error 1.
+/// The slave refuses reserved tables and reserved rows of the bit timing table with error code 1.
 #[case(id = "305/bit-timing/reserved", clause = "CiA 305 6.4.3", confidence = Attested, level = Must,
        needs = [Lss, Alone], touches = [BitRate], catches = [LssBitTimingUnchecked, LssBitTimingWrongCode])]
 fn reserved(bench: &mut Bench<'_>) -> Judged {
@@ -61,7 +62,7 @@ fn leave_bit_rate(bench: &mut Bench<'_>, current: Option<u32>) -> Result<(), Sto
     wait(bench)
 }
 
-/// Activate bit timing makes the slave silent for its delay, twice: before and after the change.
+/// After activate bit timing the slave is silent for two delays: before and after the change.
 #[case(id = "305/bit-timing/activate", clause = "CiA 305 6.4.4", confidence = Attested, level = Must,
        needs = [Lss, Alone], touches = [BitRate], catches = [LssActivatesAtOnce])]
 fn activate(bench: &mut Bench<'_>) -> Judged {
@@ -78,7 +79,7 @@ fn activate(bench: &mut Bench<'_>) -> Judged {
     let answer = exchange(bench, Request::ConfigureBitTiming { table: 0, index })?;
     if matches!(answer, Some(Response::Configured { command: ConfigureCommand::BitTiming, error: 1, .. })) {
         wait(bench)?;
-        let found = "error code 1: it does not support the bit rate that it has";
+        let found = "error code 1: it does not support its current bit rate";
         return Err(Stop::NotApplicable(Reason::new("the bit rate can be set", "error code 0", found)));
     }
     expect_error("the bit timing in use", ConfigureCommand::BitTiming, &[0], answer).or_inconclusive()?;
@@ -97,7 +98,7 @@ fn activate(bench: &mut Bench<'_>) -> Judged {
     }))?;
     let answers = bench.answers()?;
     bench.check(demand(answers, || {
-        let breach = breach("after activate bit timing the device works on");
+        let breach = breach("after activate bit timing the device still works");
         breach.expected("an SDO response").found(Observation::Silence)
     }))
 }

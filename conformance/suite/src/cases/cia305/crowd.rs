@@ -21,8 +21,8 @@ fn scan_together(bench: &mut Bench<'_>, request: Request) -> Result<Option<Respo
     hear(bench, bench.timing().lss)
 }
 
-/// Where several slaves answer, each goes on taking part in Fastscan; the one that got its node-ID does not any more, so
-/// that the next scan finds the others.
+/// When several slaves answer, each of them continues to take part in Fastscan. A slave that has received its node-ID
+/// takes no further part, so that the next scan finds the others.
 #[case(id = "305/fastscan/several-slaves", clause = "CiA 305 6.7", confidence = Attested, level = Must,
        needs = [Lss, Alone, Fastscan], touches = [NodeId],
        catches = [FastscanYieldsToOthers, FastscanAnsweredWhenConfigured])]
@@ -43,11 +43,11 @@ fn several(bench: &mut Bench<'_>) -> Judged {
         wait(bench)?;
         bench.wait_for_boot_up()?;
         let answer = tell(bench, Request::Fastscan { id: 0, bit_check: RESET, sub: 0, next: 0 })?;
-        bench.check(expect_silence("the begin of Fastscan by a slave that got its node-ID", answer))
+        bench.check(expect_silence("the begin of Fastscan by a slave that has received its node-ID", answer))
     })
 }
 
-/// A slave is found by halving the ranges of revision and serial number, without Fastscan.
+/// The master finds the revision number and the serial number of a slave by halving their ranges, without Fastscan.
 #[case(id = "305/identify/halving", clause = "CiA 305 6.6.2", confidence = Attested, level = Should,
        needs = [Lss, Alone], catches = [LssIdentifyUnanswered, LssIdentifyUnchecked, LssIdentifyRangeExclusive,
        WatchdogResetUnderLoad])]

@@ -79,7 +79,7 @@ pub fn configure(bench: &mut Bench<'_>) -> Result<(), Stop> {
     if is_configuring(bench, bench.timing().lss)? {
         return Ok(());
     }
-    let duty = "switch state global leads into configuration";
+    let duty = "switch state global switches the slave to configuration";
     Err(Stop::Inconclusive(Reason::new(duty, "an answer to an inquiry or to configure node-ID", "none to either")))
 }
 

@@ -31,8 +31,8 @@ fn expect_match(what: &str, answer: Option<Response>) -> Check {
     expect(what, expected, answer, |answer| answer == Response::Identified)
 }
 
-/// Fastscan begins with a message that every device without node-ID answers, in the midst of another scan too: the vendor-ID
-/// is then looked for again.
+/// Fastscan begins with a message that every device without node-ID answers, even during another scan: the scan then
+/// starts again with the vendor-ID.
 #[case(id = "305/fastscan/begin", clause = "CiA 305 6.7", confidence = Attested, level = Must,
        needs = [Lss, Alone, Fastscan], touches = [NodeId], catches = [FastscanIgnoresBits])]
 fn begin(bench: &mut Bench<'_>) -> Judged {
@@ -78,7 +78,7 @@ fn bytes(address: [u32; 4]) -> Observation {
     Observation::Value(address.iter().flat_map(|part| part.to_le_bytes()).collect())
 }
 
-/// Fastscan finds the whole address, and the device found is then in configuration.
+/// Fastscan finds the complete LSS address, after which the device is in configuration.
 #[case(id = "305/fastscan/find", clause = "CiA 305 6.7", confidence = Attested, level = Must,
        needs = [Lss, Alone, Fastscan], touches = [NodeId], catches = [FastscanIgnoresBits])]
 fn find_all(bench: &mut Bench<'_>) -> Judged {
@@ -92,7 +92,8 @@ fn find_all(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// A bit that is not that of the device is not answered, be it the one that is looked at or one above it.
+/// The slave does not answer a Fastscan request whose ID number differs from its own in the checked bit or in a higher
+/// bit.
 #[case(id = "305/fastscan/wrong-bit", clause = "CiA 305 6.7", confidence = Attested, level = Must,
        needs = [Lss, Alone, Fastscan], touches = [NodeId], catches = [FastscanIgnoresBits])]
 fn wrong_bit(bench: &mut Bench<'_>) -> Judged {
@@ -103,11 +104,12 @@ fn wrong_bit(bench: &mut Bench<'_>) -> Judged {
         let answer = scan(bench, address[0] & 0x8000_0000, 31, 0, 0)?;
         bench.check(expect_match("the right bit after it", answer))?;
         let answer = scan(bench, (address[0] & 0xC000_0000) ^ 0x8000_0000, 30, 0, 0)?;
-        bench.check(expect_silence("a Fastscan with another bit above the one that is looked at", answer))
+        bench.check(expect_silence("a Fastscan with another bit above the checked bit", answer))
     })
 }
 
-/// Only the last part of the address ends Fastscan: a match of an earlier one does not lead into configuration.
+/// Only the last part of the LSS address ends Fastscan: a match of an earlier part does not switch the slave to
+/// configuration.
 #[case(id = "305/fastscan/early-match", clause = "CiA 305 6.7", confidence = Attested, level = Must,
        needs = [Lss, Alone, Fastscan], touches = [NodeId], catches = [FastscanEarlyMatch])]
 fn early_match(bench: &mut Bench<'_>) -> Judged {
@@ -120,7 +122,7 @@ fn early_match(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// Bit checks and parts that don't exist are ignored, and the device goes on working.
+/// The slave ignores Fastscan requests with a bit check or a part that does not exist, and still works.
 #[case(id = "305/fastscan/out-of-range", clause = "CiA 305 6.7", confidence = Attested, level = Must,
        needs = [Lss, Alone, Fastscan], touches = [NodeId], catches = [FastscanHangs])]
 fn out_of_range(bench: &mut Bench<'_>) -> Judged {

@@ -30,7 +30,7 @@ fn identify(bench: &mut Bench<'_>, bounds: [u32; 6], within: bool) -> Result<Vec
     Ok(heard)
 }
 
-/// A slave within the six bounds answers the last of them by one 4Fh.
+/// A slave within the six bounds sends one 4Fh in answer to the last bound.
 #[case(id = "305/identify/within", clause = "CiA 305 6.6.2", confidence = Attested, level = Must,
        needs = [Lss, Alone], catches = [LssIdentifyUnanswered])]
 fn within(bench: &mut Bench<'_>) -> Judged {
@@ -40,7 +40,7 @@ fn within(bench: &mut Bench<'_>) -> Judged {
     bench.check(expect_heard(duty, Some(Response::Identified), &heard))
 }
 
-/// Bounds belong to the range: a slave whose numbers equal them answers.
+/// The bounds belong to the range: a slave whose numbers equal them answers.
 #[case(id = "305/identify/at-bounds", clause = "CiA 305 6.6.2", confidence = Attested, level = Must,
        needs = [Lss, Alone], catches = [LssIdentifyRangeExclusive, LssIdentifyUnanswered])]
 fn at_bounds(bench: &mut Bench<'_>) -> Judged {
@@ -50,7 +50,7 @@ fn at_bounds(bench: &mut Bench<'_>) -> Judged {
     bench.check(expect_heard(duty, Some(Response::Identified), &heard))
 }
 
-/// A slave outside of one of the bounds does not answer.
+/// A slave that is outside one of the bounds does not answer.
 #[case(id = "305/identify/outside", clause = "CiA 305 6.6.2", confidence = Attested, level = Must,
        needs = [Lss, Alone], catches = [LssIdentifyUnchecked])]
 fn outside(bench: &mut Bench<'_>) -> Judged {
@@ -84,7 +84,7 @@ fn outside(bench: &mut Bench<'_>) -> Judged {
     tried(identify(bench, right, true)?.len(), "an answer to the bounds of its own address")
 }
 
-/// A slave with a node-ID does not answer the search for slaves without one.
+/// A slave with a node-ID does not answer identify non-configured remote slave.
 #[case(id = "305/identify/configured", clause = "CiA 305 6.6.4", confidence = Attested, level = Must,
        needs = [Lss, Alone], catches = [LssNonConfiguredAnswered])]
 fn configured(bench: &mut Bench<'_>) -> Judged {

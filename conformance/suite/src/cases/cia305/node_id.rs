@@ -21,7 +21,7 @@ pub(super) const RESTART: Duration = Duration::from_millis(500);
 
 /// A node-ID that nobody uses.
 pub(super) fn vacant(bench: &Bench<'_>) -> Result<u8, Stop> {
-    let none = || Stop::NotApplicable(Reason::new("a node-ID beside that of the device is free", "one", "none"));
+    let none = || Stop::NotApplicable(Reason::new("a node-ID next to that of the device is free", "one", "none"));
     bench.vacant_neighbour().ok_or_else(none)
 }
 
@@ -48,7 +48,7 @@ pub(super) fn boots(bench: &mut Bench<'_>, expected: u8) -> Result<Option<u8>, S
     Ok(if there.is_some() { Some(expected) } else { elsewhere })
 }
 
-/// The breach of a device that did not start with the expected node-ID.
+/// The breach if the device did not start with the expected node-ID.
 pub(super) fn started_elsewhere(duty: impl Into<String>, expected: u8, booted: Option<u8>) -> Breach {
     let found = booted.map_or(Observation::Silence, |node| Observation::Number(node.into()));
     let told =
@@ -92,7 +92,7 @@ pub(super) fn restore(bench: &mut Bench<'_>, stored: bool) -> Result<(), Stop> {
     bench.wait_for_boot_up().map(|_| ())
 }
 
-/// The node-IDs 1 and 127 and "not configured" (255) are confirmed.
+/// The slave confirms the node-IDs 1 and 127 and the value 255 (not configured).
 #[case(id = "305/node-id/valid", clause = "CiA 305 6.4.2", confidence = Attested, level = Must,
        needs = [Lss, Alone], touches = [NodeId], catches = [LssNodeIdRefused])]
 fn valid(bench: &mut Bench<'_>) -> Judged {
@@ -104,7 +104,7 @@ fn valid(bench: &mut Bench<'_>) -> Judged {
     own_again(bench)
 }
 
-/// Node-IDs that don't exist, 0 and 128 to 254, are refused with error code 1.
+/// The slave refuses node-IDs that do not exist, 0 and 128 to 254, with error code 1.
 #[case(id = "305/node-id/invalid", clause = "CiA 305 6.4.2", confidence = Attested, level = Must,
        needs = [Lss, Alone], touches = [NodeId], catches = [LssNodeIdUnchecked])]
 fn invalid(bench: &mut Bench<'_>) -> Judged {
@@ -123,7 +123,7 @@ fn own_again(bench: &mut Bench<'_>) -> Result<(), Stop> {
     wait(bench)
 }
 
-/// A new node-ID is used from the next reset communication on: the device boots with it.
+/// A new node-ID takes effect at the next reset communication: the device starts with it.
 #[case(id = "305/node-id/takes-effect", clause = "CiA 305 6.4.2", confidence = Attested, level = Must,
        needs = [Lss, Alone], touches = [NodeId], catches = [LssNodeIdWithoutEffect, NmtBroadcastIgnored, LssNodeIdMistaken])]
 fn takes_effect(bench: &mut Bench<'_>) -> Judged {
@@ -138,7 +138,7 @@ fn takes_effect(bench: &mut Bench<'_>) -> Judged {
     bench.uncancelled(back_to_own)
 }
 
-/// Before a reset the device goes on with its old node-ID.
+/// Until a reset the device keeps its old node-ID.
 #[case(id = "305/node-id/pending", clause = "CiA 305 6.4.2", confidence = Attested, level = Must,
        needs = [Lss, Alone], touches = [NodeId], catches = [LssNodeIdAtOnce])]
 fn pending(bench: &mut Bench<'_>) -> Judged {
@@ -166,7 +166,7 @@ fn pending(bench: &mut Bench<'_>) -> Judged {
     bench.uncancelled(back_to_own)
 }
 
-/// While a new node-ID is pending, the inquiry gives the one in use.
+/// While a new node-ID is pending, the inquiry returns the node-ID in use.
 #[case(id = "305/node-id/inquired-pending", clause = "CiA 305 6.5.3", confidence = Attested, level = Should,
        needs = [Lss, LssInquiry, Alone], touches = [NodeId], catches = [LssNodeIdAtOnce])]
 fn inquired_pending(bench: &mut Bench<'_>) -> Judged {
@@ -177,7 +177,7 @@ fn inquired_pending(bench: &mut Bench<'_>) -> Judged {
     let own = bench.node().raw();
     let is_own = given.is_some_and(|given| given == Response::NodeId(own));
     bench.check(demand(is_own, || {
-        breach("the node-ID in use is given while another one is pending")
+        breach("the inquiry returns the node-ID in use while another one is pending")
             .expected(Observation::Number(own.into()))
             .found(observed(given))
             .told(shown(given))
@@ -185,7 +185,7 @@ fn inquired_pending(bench: &mut Bench<'_>) -> Judged {
     own_again(bench)
 }
 
-/// A node-ID that was configured but not stored is lost with reset node: the device has its old one.
+/// A node-ID that was configured but not stored is lost at reset node: the device has its old node-ID again.
 #[case(id = "305/node-id/not-stored", clause = "CiA 305 6.4.5", confidence = Attested, level = Must,
        needs = [Lss, Alone], touches = [NodeId], catches = [LssNodeIdStoredAtOnce])]
 fn not_stored(bench: &mut Bench<'_>) -> Judged {

@@ -9,7 +9,7 @@ use canvass_analyzer::wire::lss::{self, Bound, Part, Request, Response};
 use canvass_bus::observation::Observation;
 use canvass_traces::Frame;
 
-/// In waiting the slave answers no inquiry; in configuration it does.
+/// The slave answers inquiries in configuration, but not in waiting.
 #[case(id = "305/waiting/inquiries", clause = "CiA 305 6.5", confidence = Attested, level = Must,
        needs = [Lss, Alone], catches = [LssAnsweredWhileWaiting])]
 fn in_waiting(bench: &mut Bench<'_>) -> Judged {
@@ -17,7 +17,7 @@ fn in_waiting(bench: &mut Bench<'_>) -> Judged {
     unanswered_in_waiting(bench, inquiries)
 }
 
-/// The services of configuration are not answered in waiting.
+/// The slave does not answer the configuration services in waiting.
 #[case(id = "305/waiting/configuration", clause = "CiA 305 6.4", confidence = Attested, level = Must,
        needs = [Lss, Alone], touches = [NodeId, BitRate, Nvm], catches = [LssAnsweredWhileWaiting])]
 fn configuration_in_waiting(bench: &mut Bench<'_>) -> Judged {
@@ -36,9 +36,9 @@ fn unanswered_in_waiting(bench: &mut Bench<'_>, requests: impl IntoIterator<Item
     wait(bench)
 }
 
-/// In configuration the four inquiries give the parts of the LSS address, which are 1018h:01 to 1018h:04.
+/// In configuration the four inquiries return the parts of the LSS address, which are 1018h:01 to 1018h:04.
 ///
-/// A slave that answers none of the four does not have them.
+/// A slave that answers none of the four does not support them.
 #[case(id = "305/inquiry/address", clause = "CiA 305 6.5.2", confidence = Attested, level = Must,
        needs = [Lss, Alone], catches = [LssInquirySwapped])]
 fn inquiry(bench: &mut Bench<'_>) -> Judged {
@@ -52,7 +52,7 @@ fn inquiry(bench: &mut Bench<'_>) -> Judged {
     if answers.iter().all(|(_, _, answer)| answer.is_none()) {
         let found = "in configuration it answers none of 5Ah to 5Dh";
         return Err(Stop::NotApplicable(Reason::new(
-            "the slave has the inquiries of its address",
+            "the slave supports the inquiries of its address",
             "5Ah to 5Dh",
             found,
         )));
@@ -64,7 +64,7 @@ fn inquiry(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// In configuration the inquiry of the node-ID gives the one in use.
+/// In configuration the inquiry of the node-ID returns the node-ID in use.
 #[case(id = "305/inquiry/node-id", clause = "CiA 305 6.5.3", confidence = Attested, level = Must,
        needs = [Lss, LssInquiry, Alone], catches = [LssNodeIdInquiredWrong])]
 fn inquiry_node_id(bench: &mut Bench<'_>) -> Judged {
@@ -76,7 +76,7 @@ fn inquiry_node_id(bench: &mut Bench<'_>) -> Judged {
     wait(bench)
 }
 
-/// Command specifiers that CiA 305 does not define are not answered.
+/// The slave does not answer command specifiers that CiA 305 does not define.
 #[case(id = "305/reserved-commands", clause = "CiA 305", confidence = Unknown, level = Should,
        needs = [Lss, Alone], catches = [LssUnknownAnswered])]
 fn reserved_commands(bench: &mut Bench<'_>) -> Judged {
@@ -89,7 +89,7 @@ fn reserved_commands(bench: &mut Bench<'_>) -> Judged {
     wait(bench)
 }
 
-/// Every response of the slave has eight bytes, and zeros where nothing is said.
+/// Every response of the slave has eight bytes, and unused bytes are 0.
 #[case(id = "305/form", clause = "CiA 305", confidence = Unknown, level = Should,
        needs = [Lss, Alone], touches = [NodeId], catches = [LssShortResponse])]
 fn form(bench: &mut Bench<'_>) -> Judged {
@@ -136,14 +136,14 @@ fn expect_form(request: Request, frame: &Frame) -> Check {
     let is_clean =
         response.is_some_and(|response| response.to_frame(lss::SLAVE_CAN_ID) == *frame && !response.says_too_much());
     demand(is_clean, || {
-        let breach = breach(format!("the response to \"{request}\" has eight bytes, and 0 where nothing is said"));
+        let breach = breach(format!("the response to \"{request}\" has eight bytes, and unused bytes are 0"));
         let breach = breach.expected("eight bytes, the unused ones 0").found(Observation::Frame(*frame));
         breach.told(format!("{frame}: {}", shown(response)))
     })
 }
 
-/// Whether an LSS request with fewer than eight bytes is answered: recorded only. LSS messages have eight bytes; what becomes
-/// of others is not said.
+/// The case only records whether the slave answers an LSS request with fewer than eight bytes. LSS messages have eight
+/// bytes; the standard does not define the handling of other lengths.
 #[case(id = "305/short-request", clause = "CiA 305", confidence = Unknown, level = Open,
        needs = [Lss, Alone], catches = [LssShortRequestAnswered])]
 fn short_request(bench: &mut Bench<'_>) -> Judged {
@@ -159,7 +159,7 @@ fn short_request(bench: &mut Bench<'_>) -> Judged {
     wait(bench)
 }
 
-/// A device whose description says that it has no LSS answers none of its inquiries.
+/// A device without LSS according to its description answers no LSS inquiry.
 #[case(id = "305/not-supported", clause = "CiA 305", confidence = Unknown, level = Should,
        needs = [Description, Alone], catches = [LssUndescribed])]
 fn not_supported(bench: &mut Bench<'_>) -> Judged {

@@ -14,7 +14,7 @@ fn store(bench: &mut Bench<'_>) -> Result<(), Stop> {
     bench.listen(bench.timing().silence)?;
     match answer {
         Some(Response::Configured { command: ConfigureCommand::Store, error: 1, .. }) => {
-            let duty = "the device stores what LSS configures";
+            let duty = "the device can store its LSS configuration";
             Err(Stop::NotApplicable(Reason::new(duty, "error code 0", "error code 1: it does not support storing")))
         }
         // Another case judges a missing confirmation.
@@ -23,7 +23,7 @@ fn store(bench: &mut Bench<'_>) -> Result<(), Stop> {
     }
 }
 
-/// A stored node-ID is used after reset node; the old one is stored again afterwards.
+/// A stored node-ID takes effect at reset node. The case stores the old node-ID again afterwards.
 #[case(id = "305/store/persists", clause = "CiA 305 6.4.5", confidence = Attested, level = Must,
        needs = [Lss, Alone], touches = [NodeId, Nvm], catches = [LssStoreNotPersistent, NmtResetNodeKeepsParameters, NmtBroadcastIgnored])]
 fn persists(bench: &mut Bench<'_>) -> Judged {
@@ -54,7 +54,8 @@ fn persists(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// Store configuration is answered by success, "not supported" or a failure of the memory, however long storing takes.
+/// The slave answers store configuration with success, "not supported" or a failure of the memory, however long storing
+/// takes.
 #[case(id = "305/store/answer", clause = "CiA 305 6.4.5", confidence = Attested, level = Must,
        needs = [Lss, Alone], touches = [Nvm], catches = [LssStoreUnanswered, LssStoreSpecificError])]
 fn answer(bench: &mut Bench<'_>) -> Judged {

@@ -9,7 +9,7 @@ use crate::verdict::Judged;
 use canvass_analyzer::wire::lss::{Part, Request, Response};
 use canvass_analyzer::wire::nmt::Command;
 
-/// Switch state global into configuration and back is not answered, and obeyed.
+/// The slave executes switch state global to configuration and back, and does not answer it.
 #[case(id = "305/switch-global/both-ways", clause = "CiA 305 6.3.2", confidence = Attested, level = Must,
        needs = [Lss, Alone], catches = [LssSwitchGlobalIgnored])]
 fn both_ways(bench: &mut Bench<'_>) -> Judged {
@@ -21,7 +21,7 @@ fn both_ways(bench: &mut Bench<'_>) -> Judged {
     expect_waiting(bench, "switch state global to waiting")
 }
 
-/// Reserved modes of switch state global change nothing.
+/// Reserved modes of switch state global have no effect.
 #[case(id = "305/switch-global/reserved-mode", clause = "CiA 305 6.3.2", confidence = Attested, level = Should,
        needs = [Lss, Alone], catches = [LssReservedModeWaits])]
 fn reserved_mode(bench: &mut Bench<'_>) -> Judged {
@@ -38,13 +38,14 @@ fn reserved_mode(bench: &mut Bench<'_>) -> Judged {
     wait(bench)
 }
 
-/// The four parts of its address, in order, bring the slave into configuration; the last one is answered by 44h.
+/// The four parts of its LSS address, in order, switch the slave to configuration; the slave answers the last part with
+/// 44h.
 #[case(id = "305/switch-selective/right", clause = "CiA 305 6.3.3", confidence = Attested, level = Must,
        needs = [Lss, Alone], catches = [LssSelectiveUnanswered])]
 fn right(bench: &mut Bench<'_>) -> Judged {
     let address = address(bench)?;
     let heard = select(bench, &parts(address), bench.timing().lss)?;
-    let duty = "the last part of the address, and no other, is answered".to_owned();
+    let duty = "only the last part of the address is answered".to_owned();
     bench.check(expect_heard(duty, Some(Response::Switched), &heard))?;
     expect_configuration(bench, "switch state selective")?;
     wait(bench)
@@ -94,9 +95,9 @@ fn wrong_serial(bench: &mut Bench<'_>) -> Judged {
     one_wrong(bench, Part::SerialNumber)
 }
 
-/// The parts of the address count only in their order.
+/// The parts of the LSS address switch the slave only in their order.
 ///
-/// CANopenNode and zencan take them in any order as long as the serial number comes last.
+/// CANopenNode and zencan accept them in any order if the serial number comes last.
 #[case(id = "305/switch-selective/order", clause = "CiA 305 6.3.3", confidence = Attested, level = Should,
        needs = [Lss, Alone], catches = [LssSelectiveAnyOrder])]
 fn order(bench: &mut Bench<'_>) -> Judged {
@@ -105,10 +106,10 @@ fn order(bench: &mut Bench<'_>) -> Judged {
     unselected(bench, &mixed, "an address in another order")
 }
 
-/// Parts of another address between those of its own keep the slave in waiting.
+/// A slave stays in waiting if it receives parts of another LSS address between the parts of its own.
 ///
-/// CANopenNode compares each part for itself, so that two addresses may be given one between the other: where a slave does
-/// that, it is recorded.
+/// CANopenNode compares each part separately, so that it accepts two addresses whose parts are interleaved: the case
+/// only records this behaviour.
 #[case(id = "305/switch-selective/interleaved", clause = "CiA 305 6.3.3", confidence = Attested, level = Open,
        needs = [Lss, Alone], catches = [LssSelectiveMismatchIgnored])]
 fn interleaved(bench: &mut Bench<'_>) -> Judged {
@@ -121,10 +122,10 @@ fn interleaved(bench: &mut Bench<'_>) -> Judged {
             mixed.push((Part::VendorId, value ^ 0x55));
         }
     }
-    unselected(bench, &mixed, "an address with another one in between")
+    unselected(bench, &mixed, "an address interleaved with another address")
 }
 
-/// In configuration switch state selective is not answered and changes nothing.
+/// In configuration the slave does not answer switch state selective, which has no effect.
 #[case(id = "305/switch-selective/in-configuration", clause = "CiA 305 6.3.3", confidence = Attested, level = Should,
        needs = [Lss, Alone], catches = [LssSelectiveInConfiguration])]
 fn in_configuration(bench: &mut Bench<'_>) -> Judged {
@@ -137,7 +138,7 @@ fn in_configuration(bench: &mut Bench<'_>) -> Judged {
     wait(bench)
 }
 
-/// LSS works in stopped as in pre-operational.
+/// LSS works in the NMT state stopped as it does in pre-operational.
 #[case(id = "305/state/stopped", clause = "CiA 305", confidence = Unknown, level = Should,
        needs = [Lss, Alone], catches = [LssSwitchGlobalIgnored])]
 fn stopped(bench: &mut Bench<'_>) -> Judged {

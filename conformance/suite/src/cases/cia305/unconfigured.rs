@@ -31,7 +31,7 @@ pub(super) fn unconfigured(bench: &mut Bench<'_>, test: impl FnOnce(&mut Bench<'
     let judged = match taken && is_without(bench)? {
         true => test(bench, address),
         false => Err(Stop::NotApplicable(Reason::new(
-            "the node-ID can be taken away by LSS",
+            "LSS can remove the node-ID",
             "a device without node-ID",
             "it keeps its node-ID",
         ))),
@@ -59,7 +59,7 @@ fn is_without(bench: &mut Bench<'_>) -> Result<bool, Stop> {
     Ok(true)
 }
 
-/// A device without node-ID is silent but for LSS: no boot-up message, no SDO.
+/// A device without node-ID sends nothing except LSS responses: no boot-up message and no SDO response.
 #[case(id = "305/unconfigured/silent", clause = "CiA 305", confidence = Unknown, level = Must,
        needs = [Lss, Alone], touches = [NodeId], catches = [UnconfiguredNodeBoots])]
 fn silent(bench: &mut Bench<'_>) -> Judged {
@@ -86,7 +86,7 @@ fn silent(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// A device without node-ID answers the search for such devices by 50h.
+/// A device without node-ID answers identify non-configured remote slave with 50h.
 #[case(id = "305/unconfigured/identify", clause = "CiA 305 6.6.4", confidence = Attested, level = Must,
        needs = [Lss, Alone], touches = [NodeId], catches = [LssIdentifyUnanswered])]
 fn identify(bench: &mut Bench<'_>) -> Judged {
@@ -99,7 +99,7 @@ fn identify(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// A device that gets a node-ID by LSS boots with it when configuration ends.
+/// A device that receives its first node-ID by LSS starts with it when it leaves configuration.
 #[case(id = "305/unconfigured/boots", clause = "CiA 305 6.4.2", confidence = Attested, level = Must,
        needs = [Lss, Alone], touches = [NodeId], catches = [UnconfiguredNodeIdWaits, BootUpMissing, BootUpWrongData])]
 fn boots(bench: &mut Bench<'_>) -> Judged {
@@ -112,13 +112,13 @@ fn boots(bench: &mut Bench<'_>) -> Judged {
         bench.send(&Request::SwitchGlobal { mode: 0 }.to_frame(lss::MASTER_CAN_ID))?;
         let boot_up = bench.wait_for_boot_up()?;
         bench.check(demand(boot_up.is_some(), || {
-            started_elsewhere("a device that had no node-ID boots with the one that it got", own, None)
+            started_elsewhere("a device without node-ID starts with the node-ID that it receives", own, None)
         }))
     })
 }
 
-/// A device that got a node-ID by LSS stays in configuration, and silent, when it is told again to go there: it boots when
-/// configuration ends.
+/// A device that has received its first node-ID by LSS stays in configuration, and silent, when it is switched to
+/// configuration once more: it starts when it leaves configuration.
 #[case(id = "305/unconfigured/told-again", clause = "CiA 305 6.3.2", confidence = Attested, level = Must,
        needs = [Lss, Alone], touches = [NodeId], catches = [LssLeavesWhenToldAgain])]
 fn told_again(bench: &mut Bench<'_>) -> Judged {
@@ -136,14 +136,14 @@ fn told_again(bench: &mut Bench<'_>) -> Judged {
         let is_boot_up = |record: &&Record| record.frame.cob_id() == Some(id) && record.data() == [0];
         let early = heard.iter().find(is_boot_up).map(|record| record.frame);
         bench.check(early.map_or(Ok(()), |frame| {
-            let breach = breach("a device without node-ID that is told again to go to configuration does not boot");
+            let breach = breach("a device without node-ID that is switched to configuration again does not start");
             Err(Box::new(breach.expected(Observation::Silence).found(Observation::Frame(frame))))
         }))?;
         expect_configuration(bench, "switch state global to configuration, for the second time")
     })
 }
 
-/// The inquiry of the node-ID of a device without one gives 255.
+/// The inquiry of the node-ID returns 255 for a device without node-ID.
 #[case(id = "305/unconfigured/inquiry", clause = "CiA 305 6.5.3", confidence = Attested, level = Should,
        needs = [Lss, LssInquiry, Alone], touches = [NodeId], catches = [LssNodeIdInquiredWrong])]
 fn inquiry(bench: &mut Bench<'_>) -> Judged {

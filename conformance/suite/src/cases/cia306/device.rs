@@ -27,10 +27,10 @@ const USUAL: [(u16, u16); 12] = [
 /// All indexes, for an exhaustive run.
 const ALL: [(u16, u16); 1] = [(0x1000, 0x9FFF)];
 
-/// The device has no object that its description does not name.
+/// The device has no object that is missing in its description.
 ///
-/// Looked at is where devices usually have objects; in an exhaustive run every index from 1000h to 9FFFh, which takes
-/// about a minute on a live bus.
+/// The case reads the indexes where devices usually have objects. In an exhaustive run it reads every index from 1000h
+/// to 9FFFh, which takes about a minute on a live bus.
 #[case(id = "306/device/undescribed", clause = "CiA 306", confidence = Unknown, level = Should, needs = [Description],
        catches = [UndescribedObject])]
 fn undescribed(bench: &mut Bench<'_>) -> Judged {
@@ -66,7 +66,7 @@ fn undescribed(bench: &mut Bench<'_>) -> Judged {
     if more > 0 {
         let breach = Breach::new(Subject::Device, "every object of the device is described");
         let breach =
-            breach.expected("no more than these").found(Observation::named("more objects that nobody described"));
+            breach.expected("no more than these").found(Observation::named("more objects without description"));
         bench.check(Err(Box::new(breach.told(format!("{more} more")))))?;
     }
     Ok(())

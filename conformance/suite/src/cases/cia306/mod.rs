@@ -121,85 +121,85 @@ const fn word(kind: ProblemKind) -> &'static str {
     }
 }
 
-/// A device description is lines of text: sections, fields and comments, of no more than 255 characters each.
+/// A device description consists of lines of text (sections, fields and comments) of no more than 255 characters each.
 #[case(id = "306/file/text", clause = "CiA 306", confidence = Unknown, level = Should, needs = [Description],
        catches = [EdsLineWithoutSense])]
 fn text(bench: &mut Bench<'_>) -> Judged {
     sound(bench, Area::Text, "every line of the description can be read")
 }
 
-/// Every section that CiA 306 asks for is there, and none is there twice.
+/// Every section that CiA 306 requires is present, and no section occurs twice.
 #[case(id = "306/file/sections", clause = "CiA 306", confidence = Unknown, level = Must, needs = [Description],
        catches = [EdsSectionTwice, EdsSubIndexMissing])]
 fn sections(bench: &mut Bench<'_>) -> Judged {
     sound(bench, Area::Sections, "the sections of the description are complete")
 }
 
-/// Every field that CiA 306 asks for is there, and none is there twice in its section.
+/// Every field that CiA 306 requires is present, and no field occurs twice in its section.
 #[case(id = "306/file/fields", clause = "CiA 306", confidence = Unknown, level = Must, needs = [Description],
        catches = [EdsFieldTwice, EdsDataTypeMissing])]
 fn fields(bench: &mut Bench<'_>) -> Judged {
     sound(bench, Area::Fields, "the fields of the description are complete")
 }
 
-/// Numbers are decimal, hexadecimal with 0x, or octal with a leading 0; the node-ID stands in front: `$NODEID+0x180`.
+/// Numbers are decimal, hexadecimal with 0x, or octal with a leading 0; the node-ID precedes a number: `$NODEID+0x180`.
 #[case(id = "306/file/numbers", clause = "CiA 306", confidence = Unknown, level = Must, needs = [Description],
        catches = [EdsNumberUnreadable, EdsFloatDefault])]
 fn numbers(bench: &mut Bench<'_>) -> Judged {
     sound(bench, Area::Numbers, "the numbers of the description can be read")
 }
 
-/// Counts are right: of the entries of a list, of the PDOs, of the sub-indexes, of the lines of comments.
+/// The counts of list entries, PDOs, sub-indexes and comment lines are correct.
 #[case(id = "306/file/counts", clause = "CiA 306", confidence = Unknown, level = Must, needs = [Description],
        catches = [EdsSubNumberWrong, EdsPdoCountWrong])]
 fn counts(bench: &mut Bench<'_>) -> Judged {
-    sound(bench, Area::Counts, "what the description counts is there")
+    sound(bench, Area::Counts, "the counts in the description are correct")
 }
 
-/// What the description says about itself and about the device as a whole has the form that CiA 306 gives it.
+/// The information about the description itself and about the whole device has the format of CiA 306.
 #[case(id = "306/file/header", clause = "CiA 306", confidence = Unknown, level = Should, needs = [Description],
        catches = [EdsDateWrong, EdsBooleanWrong])]
 fn header(bench: &mut Bench<'_>) -> Judged {
     sound(bench, Area::Header, "FileInfo, DeviceInfo and DummyUsage hold what CiA 306 allows")
 }
 
-/// Every object that is described is listed, and every one that is listed is described: once, in the list of its kind.
+/// Every described object is listed and every listed object is described: once, in the list of its kind.
 #[case(id = "306/objects/lists", clause = "CiA 306", confidence = Unknown, level = Must, needs = [Description],
        catches = [EdsObjectListedTwice])]
 fn lists(bench: &mut Bench<'_>) -> Judged {
     sound(bench, Area::Lists, "the lists of objects and their descriptions agree")
 }
 
-/// Object types, data types and access types are those that CiA 301 and CiA 306 define.
+/// All object types, data types and access types are defined by CiA 301 or CiA 306.
 #[case(id = "306/objects/entries", clause = "CiA 306 4.6.3.2", confidence = Attested, level = Must,
        needs = [Description], catches = [EdsAccessTypeUnknown, EdsVendorNumberDiffers])]
 fn entries(bench: &mut Bench<'_>) -> Judged {
-    sound(bench, Area::Entries, "every object is described by what the standards define")
+    sound(bench, Area::Entries, "object types, data types and access types are defined by the standards")
 }
 
 /// Defaults lie within their limits, and limits within their data type.
 #[case(id = "306/objects/limits", clause = "CiA 306 4.6.3.2", confidence = Attested, level = Must,
        needs = [Description], catches = [EdsDefaultBeyondLimit])]
 fn limits(bench: &mut Bench<'_>) -> Judged {
-    sound(bench, Area::Limits, "defaults and limits go together")
+    sound(bench, Area::Limits, "defaults lie within their limits, and limits within their data type")
 }
 
-/// The mapping as delivered can work: objects that exist, can be mapped in that direction, have that length, and fit
-/// into 64 bits; every PDO has both its parameters.
+/// The default mapping is valid: its objects exist, can be mapped in that direction, have the given length and fit into
+/// 64 bits, and every PDO has both its parameters.
 #[case(id = "306/objects/mapping", clause = "CiA 306", confidence = Unknown, level = Must, needs = [Description],
        catches = [EdsMappingWrong])]
 fn mapping(bench: &mut Bench<'_>) -> Judged {
-    sound(bench, Area::Mapping, "the described mapping can work")
+    sound(bench, Area::Mapping, "the described mapping is valid")
 }
 
 /// No default COB-ID is restricted or used twice.
 #[case(id = "306/objects/cob-ids", clause = "CiA 306", confidence = Unknown, level = Must, needs = [Description],
        catches = [EdsCobIdTwice])]
 fn cob_ids(bench: &mut Bench<'_>) -> Judged {
-    sound(bench, Area::CobIds, "every default COB-ID is allowed and its own")
+    sound(bench, Area::CobIds, "every default COB-ID is allowed and unique")
 }
 
-/// Objects that CiA 301 or the device profile defines are described with the standard's type and access.
+/// Objects that CiA 301 or the device profile defines have the data type and the access of the standard.
 #[case(id = "306/objects/standard", clause = "CiA 306", confidence = Unknown, level = Must, needs = [Description],
        catches = [EdsDataTypeWrong])]
 fn standard(bench: &mut Bench<'_>) -> Judged {

@@ -19,9 +19,9 @@ pub(super) fn configure_own(bench: &mut Bench<'_>) -> Result<(), Stop> {
     exchange(bench, Request::ConfigureNodeId { node_id }).map(|_| ())
 }
 
-/// Node-IDs that don't exist, 0 and 128 to 255, are refused with an error code.
+/// The slave refuses node-IDs that do not exist, 0 and 128 to 255, with an error code.
 ///
-/// The table of the standard has no code for it: devices answer 255 with a specific error of their own.
+/// The table of the standard has no error code for this: devices answer 255 with a specific error of their own.
 #[case(id = "205/node-id/invalid", clause = "CiA DS-205", confidence = Unknown, level = Must,
        needs = [Alone, Lmt], touches = [NodeId], catches = [LmtNodeIdUnchecked])]
 fn invalid_node_id(bench: &mut Bench<'_>) -> Judged {
@@ -37,12 +37,13 @@ fn invalid_node_id(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// A configured node-ID acts only after it was stored and the device was off: until then the old one is in use.
+/// A configured node-ID takes effect only after it was stored and the device was switched off: until then the device
+/// keeps its old node-ID.
 #[case(id = "205/node-id/not-at-once", clause = "CiA DS-205", confidence = Unknown, level = Must,
        needs = [Alone, Lmt], touches = [NodeId], catches = [LmtNodeIdAtOnce])]
 fn not_at_once(bench: &mut Bench<'_>) -> Judged {
     let Some(node_id) = bench.vacant_neighbour() else {
-        let reason = Reason::new("a node-ID beside that of the device is free", "one", "none");
+        let reason = Reason::new("a node-ID next to that of the device is free", "one", "none");
         return Err(Stop::NotApplicable(reason));
     };
     in_configuration(bench, |bench| {
@@ -53,7 +54,7 @@ fn not_at_once(bench: &mut Bench<'_>) -> Judged {
         let answers = bench.answers()?;
         configure_own(bench)?;
         bench.listen(bench.timing().silence)?;
-        let duty = format!("node-ID {node_id} is taken");
+        let duty = format!("node-ID {node_id} is accepted");
         bench.check(expect_error(duty, "error code 0", ConfigureCommand::NodeId, response, |error| error == 0))?;
         bench.check(demand(answers, || {
             let breach = breach("the old node-ID is in use until power-off");
@@ -71,7 +72,7 @@ pub(super) fn configure_own_rate(bench: &mut Bench<'_>) -> Result<(), Stop> {
 }
 
 /// Every bit rate of the description can be set by its row of table 0, which has 50, 20 and 10 kbit/s in rows 5 to 7:
-/// the empty row 5 of LSS does not exist in LMT.
+/// LMT does not have the empty row 5 of LSS.
 #[case(id = "205/bit-timing/table", clause = "CiA DS-205", confidence = Unknown, level = Must,
        needs = [Alone, Lmt, Description], touches = [BitRate], catches = [LmtBitTimingUnshifted])]
 fn table(bench: &mut Bench<'_>) -> Judged {
@@ -82,14 +83,14 @@ fn table(bench: &mut Bench<'_>) -> Judged {
         bench.each(rates, |bench, index| {
             let response = exchange(bench, Request::ConfigureBitTiming { table: 0, index })?;
             let rate = Lmt::bit_rate(index).map_or(0, |rate| rate / 1000);
-            let duty = format!("row {index}, {rate} kbit/s, is taken");
+            let duty = format!("row {index}, {rate} kbit/s, is accepted");
             bench.check(expect_error(duty, "error code 0", ConfigureCommand::BitTiming, response, |error| error == 0))
         })?;
         configure_own_rate(bench)
     })
 }
 
-/// Rows and tables that don't exist are refused with an error code.
+/// The slave refuses tables and rows that do not exist with an error code.
 #[case(id = "205/bit-timing/invalid", clause = "CiA DS-205", confidence = Unknown, level = Must,
        needs = [Alone, Lmt], touches = [BitRate], catches = [LmtBitTimingUnchecked])]
 fn invalid_bit_timing(bench: &mut Bench<'_>) -> Judged {
@@ -109,8 +110,8 @@ fn invalid_bit_timing(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// After activate bit timing the slave is silent for two delays, then it works on. The bit rate that the bus has
-/// already is activated.
+/// After activate bit timing the slave is silent for two delays and then works again. The case activates the current
+/// bit rate of the bus.
 #[case(id = "205/bit-timing/activate", clause = "CiA DS-205", confidence = Unknown, level = Must,
        needs = [Alone, Lmt], touches = [BitRate], catches = [LmtActivationNotSilent])]
 fn activate(bench: &mut Bench<'_>) -> Judged {
@@ -142,14 +143,14 @@ fn activate(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// Store configuration is answered, with error code 0 where the device can store.
+/// The slave answers store configuration, with error code 0 if the device can store.
 #[case(id = "205/store/answered", clause = "CiA DS-205", confidence = Unknown, level = Must,
        needs = [Alone, Lmt], touches = [Nvm, NodeId], catches = [LmtStoreSilent])]
 fn store(bench: &mut Bench<'_>) -> Judged {
     in_configuration(bench, |bench| {
         configure_own(bench)?;
         let response = exchange(bench, Request::StoreConfiguration)?;
-        bench.note("17h stored the node-ID that the device has: one more write of its non-volatile memory");
+        bench.note("17h stored the current node-ID: one more write of the device's non-volatile memory");
         let expected = "error code 0, or 1 where nothing can be stored";
         bench.check(expect_error(
             "store configuration is answered",

@@ -64,7 +64,7 @@ pub fn inquire(bench: &mut Bench<'_>, part: Part) -> Result<Seven, Stop> {
                 Some(Response::Part { .. }) => Observation::named("another part of the address"),
                 other => observed(other),
             };
-            let breach = breach(format!("in configuration the slave says its {}", part.name()));
+            let breach = breach(format!("in configuration the slave returns its {}", part.name()));
             Err(Stop::from(Box::new(breach.expected("seven bytes").found(actual).told(shown(response)))))
         }
     }

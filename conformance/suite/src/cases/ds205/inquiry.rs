@@ -8,7 +8,7 @@ use canvass_analyzer::wire::lmt::{Bound, Part, Request, Response, Seven};
 use canvass_bus::client::sdo::Bytes;
 use canvass_bus::observation::Observation;
 
-/// The serial number is fourteen decimal digits, two in each byte.
+/// The serial number consists of fourteen decimal digits, two in each byte.
 #[case(id = "205/inquiry/serial-number", clause = "CiA DS-205", confidence = Unknown, level = Must,
        needs = [Alone, Lmt], catches = [LmtSerialNotBcd])]
 fn serial_number(bench: &mut Bench<'_>) -> Judged {
@@ -22,7 +22,7 @@ fn serial_number(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// Manufacturer and product name are printable characters, filled up with 00h.
+/// Manufacturer name and product name consist of printable characters, padded with 00h.
 #[case(id = "205/inquiry/names", clause = "CiA DS-205", confidence = Unknown, level = Should,
        needs = [Alone, Lmt], catches = [LmtNameUnpadded])]
 fn names(bench: &mut Bench<'_>) -> Judged {
@@ -59,7 +59,8 @@ fn identify(
     Ok(answer)
 }
 
-/// A slave whose names are given and whose serial number lies between the two bounds answers 09h, in operation too.
+/// A slave answers 09h if the request contains its names and its serial number lies between the two bounds, also in
+/// operation.
 #[case(id = "205/identify/own", clause = "CiA DS-205", confidence = Unknown, level = Must,
        needs = [Alone, Lmt], catches = [LmtIdentifySilent])]
 fn identify_own(bench: &mut Bench<'_>) -> Judged {
@@ -73,7 +74,7 @@ fn identify_own(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// A slave whose serial number is outside the bounds, or whose names are others, does not answer.
+/// A slave with other names, or with a serial number outside the bounds, does not answer.
 #[case(id = "205/identify/other", clause = "CiA DS-205", confidence = Unknown, level = Must,
        needs = [Alone, Lmt], catches = [LmtIdentifyRangeIgnored])]
 fn identify_other(bench: &mut Bench<'_>) -> Judged {

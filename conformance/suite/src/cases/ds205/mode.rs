@@ -7,8 +7,8 @@ use crate::verdict::{Check, Judged, Precondition, Stop, demand};
 use canvass_analyzer::wire::lmt::{Part, Request, Seven};
 use canvass_bus::observation::Observation;
 
-/// Switch mode global leads into configuration and back without an answer; only in configuration the slave answers
-/// inquiries and takes configurations.
+/// Switch mode global switches the slave to configuration and back without an answer. The slave answers inquiries and
+/// accepts configurations in configuration only.
 #[case(id = "205/switch-global/modes", clause = "CiA DS-205", confidence = Unknown, level = Must,
        needs = [Alone, Lmt], catches = [LmtAnsweredInOperation])]
 fn modes(bench: &mut Bench<'_>) -> Judged {
@@ -16,18 +16,18 @@ fn modes(bench: &mut Bench<'_>) -> Judged {
         expect_silence(bench, Request::Inquire { part }, "in operation")?;
     }
     expect_silence(bench, Request::SwitchGlobal { mode: 1 }, "in operation")?;
-    expect_configuring(bench, true, "mode 1 leads into configuration")?;
+    expect_configuring(bench, true, "mode 1 switches to configuration")?;
     expect_silence(bench, Request::SwitchGlobal { mode: 0 }, "in configuration")?;
-    expect_configuring(bench, false, "mode 0 leads back to operation")
+    expect_configuring(bench, false, "mode 0 switches back to operation")
 }
 
-/// Modes other than 0 and 1 are reserved and change nothing.
+/// Modes other than 0 and 1 are reserved and have no effect.
 #[case(id = "205/switch-global/reserved", clause = "CiA DS-205", confidence = Unknown, level = Should,
        needs = [Alone, Lmt], catches = [LmtReservedModeObeyed])]
 fn reserved(bench: &mut Bench<'_>) -> Judged {
     bench.each([2, 3, 0x7F, 0xFF], |bench, mode| {
         tell(bench, Request::SwitchGlobal { mode })?;
-        expect_configuring(bench, false, format!("the reserved mode {mode} changes nothing"))?;
+        expect_configuring(bench, false, format!("the reserved mode {mode} has no effect"))?;
         tell(bench, Request::SwitchGlobal { mode: 0 }).map(|_| ())
     })
 }
@@ -45,13 +45,13 @@ fn select(bench: &mut Bench<'_>, address: [Seven; 3]) -> Result<bool, Stop> {
 /// Requires that the slave is in configuration after its own address.
 fn expect_selected(selected: bool) -> Check {
     demand(selected, || {
-        let breach = breach("the own address leads into configuration");
+        let breach = breach("its own address switches the slave to configuration");
         breach.expected("an answer to an inquiry").found(Observation::Silence)
     })
 }
 
-/// The slave whose manufacturer name, product name and serial number are given goes into configuration without an
-/// answer: the 44h of LSS does not exist in LMT.
+/// The slave with the given manufacturer name, product name and serial number enters configuration without an answer:
+/// LMT does not have the 44h of LSS.
 #[case(id = "205/switch-selective/silent", clause = "CiA DS-205", confidence = Unknown, level = Must,
        needs = [Alone, Lmt], catches = [LmtSwitchSelectiveAnswered])]
 fn silent(bench: &mut Bench<'_>) -> Judged {
@@ -73,7 +73,8 @@ fn unselected(bench: &mut Bench<'_>, parts: &[Part]) -> Judged {
         }
         let selected = select(bench, wrong)?;
         bench.check(demand(!selected, || {
-            let duty = format!("the address of a slave with another {} leads nobody into configuration", part.name());
+            let duty =
+                format!("the address of a slave with another {} switches no slave to configuration", part.name());
             breach(duty).expected(Observation::Silence).found(Observation::named("an answer to an inquiry"))
         }))
     })?;

@@ -36,14 +36,14 @@ fn has_code(emergencies: &[Emcy], code: EmcyCode) -> bool {
     emergencies.iter().any(|emcy| emcy.code() == Some(code))
 }
 
-/// No alarm is shown that is not supported: what 6504h does not have, 6503h does not have either.
+/// 6503h shows supported alarms only: it has no bit set that is 0 in 6504h.
 #[case(id = "406/alarms/supported", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = super::needs[Encoder, Alarms], catches = [UnsupportedAlarmSet])]
 fn supported_alarms(bench: &mut Bench<'_>) -> Judged {
     within(bench, ALARMS, SUPPORTED_ALARMS)
 }
 
-/// No warning is shown that is not supported: what 6506h does not have, 6505h does not have either.
+/// 6505h shows supported warnings only: it has no bit set that is 0 in 6506h.
 #[case(id = "406/warnings/supported", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = super::needs[Encoder, Alarms], catches = [UnsupportedWarningSet])]
 fn supported_warnings(bench: &mut Bench<'_>) -> Judged {
@@ -53,13 +53,13 @@ fn supported_warnings(bench: &mut Bench<'_>) -> Judged {
 fn within(bench: &mut Bench<'_>, shown: Multiplexer, supported: Multiplexer) -> Judged {
     let (bits, known) = (bench.read_number(shown)?, bench.read_number(supported)?);
     bench.check(demand(bits & !known == 0, || {
-        let duty = format!("{shown} has no bit that {supported} does not support");
-        let breach = Breach::new(shown, duty).expected(format!("no bit beside {known:04X}h"));
+        let duty = format!("{shown} has only bits that {supported} supports");
+        let breach = Breach::new(shown, duty).expected(format!("only bits of {known:04X}h"));
         breach.found(number(bits & !known)).told(format!("{bits:04X}h"))
     }))
 }
 
-/// Reserved bits of 6503h, 2 to 11, are 0.
+/// The reserved bits 2 to 11 of 6503h are 0.
 #[case(id = "406/alarms/reserved-bits", clause = "CiA 406", confidence = Unknown, level = Should,
        needs = super::needs[Encoder, Alarms], catches = [ReservedAlarmBitSet])]
 fn reserved_alarms(bench: &mut Bench<'_>) -> Judged {
@@ -70,7 +70,7 @@ fn reserved_alarms(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// An alarm is in the error register too: while 6503h has a bit, 1001h is not 0.
+/// The error register shows an alarm too: while a bit of 6503h is set, 1001h is not 0.
 #[case(id = "406/alarms/error-register", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = super::needs[Encoder, Alarms], catches = [AlarmWithoutEmcy])]
 fn error_register(bench: &mut Bench<'_>) -> Judged {
@@ -81,7 +81,7 @@ fn error_register(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// An EMCY 1000h after the start is an alarm: 6503h has a bit.
+/// An EMCY 1000h after the start reports an alarm: a bit of 6503h is set.
 #[case(id = "406/alarms/emcy", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = super::needs[Encoder, Alarms], catches = [EmcyWithoutAlarm])]
 fn alarm_of_emcy(bench: &mut Bench<'_>) -> Judged {
@@ -97,8 +97,8 @@ fn alarm_of_emcy(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// A temperature beyond its limit is a warning: 6505h bit 14 is set, and an EMCY 4200h is sent. When it is back, both say
-/// so.
+/// A temperature above its limit is a warning: bit 14 of 6505h is set, and the device sends EMCY 4200h. When the
+/// temperature is within its limits again, both report its end.
 #[case(id = "406/warnings/temperature", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = super::needs[Encoder, TemperatureLimit], catches = [WarningWithoutEmcy, WarningNotSet, WarningNotCleared])]
 fn temperature(bench: &mut Bench<'_>) -> Judged {
@@ -117,7 +117,7 @@ fn temperature(bench: &mut Bench<'_>) -> Judged {
         Breach::new(WARNINGS, duty).expected("bit 14").found(number(warnings)).told(format!("{warnings:04X}h"))
     }))?;
     bench.check(demand(register & 0x08 != 0, || {
-        let duty = format!("1001h reports it with EMCY {DEVICE_TEMPERATURE}");
+        let duty = format!("1001h shows the error of EMCY {DEVICE_TEMPERATURE}");
         let breach = Breach::new(ERROR_REGISTER, duty).expected("bit 3 of 1001h").found(number(register));
         breach.told(format!("{first:02X}h, then {register:02X}h"))
     }))?;

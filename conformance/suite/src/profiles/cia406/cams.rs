@@ -58,8 +58,8 @@ fn expect(bench: &mut Bench<'_>, set: bool, where_: &str) -> Judged {
     }))
 }
 
-/// The state of an enabled cam is set while the position lies between its limits, and only then; of one that is not
-/// enabled it is never set.
+/// The state of an enabled cam is set exactly while the position lies between its limits. The state of a disabled cam
+/// is never set.
 #[case(id = "406/cams/limits", clause = "CiA 406", confidence = Unknown, level = Must, needs = super::needs[Encoder, Cams],
        catches = [CamStuck, CamHighLimitIgnored, CamEnableIgnored])]
 fn limits(bench: &mut Bench<'_>) -> Judged {
@@ -72,22 +72,23 @@ fn limits(bench: &mut Bench<'_>) -> Judged {
     expect(bench, false, "that lies below the position")?;
     set(bench, position - MARGIN, position + MARGIN)?;
     bench.write(ENABLE, &[0])?;
-    expect(bench, false, "that is not enabled")
+    expect(bench, false, "that is disabled")
 }
 
-/// The polarity turns the state of a cam round.
+/// The polarity inverts the state of a cam.
 #[case(id = "406/cams/polarity", clause = "CiA 406", confidence = Unknown, level = Must, needs = super::needs[Encoder, Cams],
        catches = [CamPolarityIgnored])]
 fn polarity(bench: &mut Bench<'_>) -> Judged {
     let position = prepare(bench)?;
     set(bench, position - MARGIN, position + MARGIN)?;
     bench.write(POLARITY, &[FIRST as u8])?;
-    expect(bench, false, "with turned polarity whose limits lie around the position")?;
+    expect(bench, false, "with inverted polarity whose limits lie around the position")?;
     set(bench, position + MARGIN, position + 2 * MARGIN)?;
-    expect(bench, true, "with turned polarity that lies above the position")
+    expect(bench, true, "with inverted polarity that lies above the position")
 }
 
-/// The hysteresis widens a cam that is active: it ends only when the position is so far beyond its limit.
+/// The hysteresis extends an active cam: the cam ends only when the position exceeds its limit by more than the
+/// hysteresis.
 #[case(id = "406/cams/hysteresis", clause = "CiA 406", confidence = Unknown, level = Must, needs = super::needs[Encoder, Cams],
        catches = [CamHysteresisIgnored])]
 fn hysteresis(bench: &mut Bench<'_>) -> Judged {

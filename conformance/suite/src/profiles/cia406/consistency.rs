@@ -21,10 +21,10 @@ const HIGHEST: Multiplexer = Multiplexer::new(encoder::MODULE_IDENTIFICATION, 3)
 const TPDO_2: Subject = Subject::Pdo { transmit: true, number: 2 };
 const HIGH_PRECISION: Multiplexer = Multiplexer::new(encoder::HIGH_PRECISION_POSITION, 0);
 
-/// Where 650Ah gives the lowest and the highest position, the number of positions from the one to the other is 6501h
-/// times 6502h.
+/// If 650Ah holds the lowest and the highest position, the number of positions in that range is 6501h multiplied by
+/// 6502h.
 ///
-/// 650Ah is signed: a highest position of 7FFF FFFFh stands for every range that it has no room for.
+/// 650Ah is signed: a highest position of 7FFF FFFFh represents every larger range.
 #[case(id = "406/resolution/consistent", clause = "CiA 406", confidence = Unknown, level = Must, needs = super::needs[Encoder],
        catches = [RevolutionsZero, HighestPositionWrong])]
 fn resolution(bench: &mut Bench<'_>) -> Judged {
@@ -36,7 +36,7 @@ fn resolution(bench: &mut Bench<'_>) -> Judged {
     let steps = u64::from(bench.read_number(SINGLE_TURN)?) * u64::from(bench.read_number(REVOLUTIONS)?);
     if high == i32::MAX {
         return bench.check(demand(steps > u64::from(i32::MAX as u32), || {
-            let duty = "a highest position of 7FFFFFFFh stands for a range that 650Ah has no room for";
+            let duty = "a highest position of 7FFFFFFFh represents a larger range";
             Breach::new(HIGHEST, duty).expected("6501h * 6502h of 2147483648 or more").found(number(steps))
         }));
     }
@@ -45,13 +45,13 @@ fn resolution(bench: &mut Bench<'_>) -> Judged {
     }
     let named = i64::from(high) - i64::from(low) + 1;
     bench.check(demand(i64::try_from(steps).is_ok_and(|steps| steps == named), || {
-        let duty = "650Ah:02 to 650Ah:03 are as many positions as 6501h * 6502h";
+        let duty = "the number of positions from 650Ah:02 to 650Ah:03 is 6501h * 6502h";
         let breach = Breach::new(HIGHEST, duty).expected(number(steps));
         breach.found(Observation::Value(high.to_le_bytes().to_vec())).told(named.to_string())
     }))
 }
 
-/// The high-precision position 6008h shows the same place as 6004h: in the same units, or in a power of two more.
+/// The high-precision position 6008h shows the same place as 6004h, in the same units or multiplied by a power of two.
 #[case(id = "406/position/high-precision", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = super::needs[Encoder, HighPrecision, VolatilePreset], touches = [Preset],
        catches = [HighPrecisionWithoutPreset])]
@@ -64,13 +64,13 @@ fn high_precision(bench: &mut Bench<'_>) -> Judged {
     let wide = bytes.iter().take(8).rev().fold(0_u64, |value, &byte| value << 8 | u64::from(byte));
     let fits = |shift: u32| u32::try_from(wide >> shift).is_ok_and(|found| is_near(found, position, range));
     bench.check(demand((0..=32).any(fits), || {
-        let duty = "6008h shows the place that 6004h shows";
+        let duty = "6008h shows the same place as 6004h";
         let breach = Breach::new(HIGH_PRECISION, duty);
         breach.expected(format!("{position}, or that times a power of two")).found(Observation::Value(bytes.clone()))
     }))
 }
 
-/// The second TPDO, where it is synchronous as delivered and carries the position, follows SYNC with the position of now.
+/// If the second TPDO is synchronous as delivered and carries the position, it follows SYNC with the current position.
 #[case(id = "406/tpdo/second-synchronous", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = super::needs[Encoder, Sync], catches = [SecondTpdoMissing])]
 fn second_synchronous(bench: &mut Bench<'_>) -> Judged {
@@ -102,13 +102,13 @@ fn second_synchronous(bench: &mut Bench<'_>) -> Judged {
     };
     let found = crate::bench::sdo::number(first.data());
     bench.check(demand(is_near(found, position, u32::MAX), || {
-        let breach = Breach::new(TPDO_2, "TPDO 2 carries the position of now");
+        let breach = Breach::new(TPDO_2, "TPDO 2 carries the current position");
         breach.expected(number(position)).found(number(found))
     }))
 }
 
-/// After a preset the scaling is changed: the position stays inside the new range, and 6509h goes with it: the position
-/// without offset is that of the shaft. Whether the preset outlives the change is noted.
+/// When the scaling changes after a preset, the position stays inside the new range, and 6509h changes with it: the
+/// position without offset is that of the shaft. The case notes whether the preset survives the change.
 #[case(id = "406/preset/scaling-changed", clause = "CiA 406", confidence = Unknown, level = Should,
        needs = super::needs[Encoder, VolatilePreset], touches = [Preset], catches = [ScalingIgnored])]
 fn scaling_changed(bench: &mut Bench<'_>) -> Judged {
@@ -123,7 +123,7 @@ fn scaling_changed(bench: &mut Bench<'_>) -> Judged {
     let offset = bench.read_number(OFFSET)? as i32;
     bench.note(format!("preset to {set}; with half the range the position is {position}, the offset {offset}"));
     demand(position < range / 2, || {
-        let breach = Breach::new(POSITION, "with a new range the position lies in it");
+        let breach = Breach::new(POSITION, "the position lies within a new range");
         breach.expected(format!("below {}", range / 2)).found(number(position))
     })?;
     let found = without_offset(bench, position, range / 2)?;
@@ -140,14 +140,15 @@ fn without_offset(bench: &mut Bench<'_>, position: u32, range: u32) -> Result<u3
     Ok((i64::from(position) - offset).rem_euclid(range.into()) as u32)
 }
 
-/// A preset of a shaft that turns takes effect without a jump beyond the motion, and the position goes on from there.
+/// A preset takes effect while the shaft turns, without a jump larger than the motion, and the position then continues
+/// to count.
 #[case(id = "406/preset/moving", clause = "CiA 406", confidence = Unknown, level = Should,
        needs = super::needs[Encoder, VolatilePreset, TurningShaft], touches = [Preset], catches = [PresetGlitch, PresetStopsCounting])]
 fn moving(bench: &mut Bench<'_>) -> Judged {
     use super::position::PRESET;
     if super::needs::keeps_presets(bench) {
-        let actual = "it stores them at once, as its manual says";
-        let reason = Reason::new("a reset takes the preset back", "an encoder that does not store presets", actual);
+        let actual = "it stores presets immediately, as its manual says";
+        let reason = Reason::new("a reset reverts the preset", "an encoder that does not store presets", actual);
         return Err(Stop::NotApplicable(reason));
     }
     let range = super::preset::range_now(bench)?;
@@ -175,8 +176,8 @@ fn moving(bench: &mut Bench<'_>) -> Judged {
     }
     let stands = positions.windows(10).any(|ten| ten.iter().all(|position| Some(position) == ten.first()));
     bench.check(demand(!stands, || {
-        let breach = Breach::new(POSITION, "after a preset the position goes on counting");
-        breach.expected("another one in 50 ms").found(Observation::named("always the same"))
+        let breach = Breach::new(POSITION, "after a preset the position continues to count");
+        breach.expected("another position in 50 ms").found(Observation::named("always the same"))
     }))
 }
 

@@ -51,7 +51,7 @@ fn width(bench: &mut Bench<'_>) -> Result<u8, Stop> {
     Ok(MappingEntry(bench.read_number(TPDO_FIRST_ENTRY)?).bits())
 }
 
-/// The second channel of the position counts down as the first one counts up: their sum is constant.
+/// The second channel of the position counts down while the first one counts up: the sum of both is constant.
 #[case(id = "406/redundant-channels/sum", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = super::needs[RedundantChannels], catches = [RedundantChannelDrift])]
 fn sum(bench: &mut Bench<'_>) -> Judged {
@@ -117,12 +117,12 @@ fn direction(bench: &mut Bench<'_>) -> Judged {
     bench.write(DIRECTION, &[0])?;
     let other = angle(bench)?;
     bench.check(demand((clockwise + other).abs() <= TREMBLE, || {
-        let breach = Breach::new(ANGLE, "3003h turns the direction of the angle").expected(degrees(-clockwise));
+        let breach = Breach::new(ANGLE, "3003h reverses the direction of the angle").expected(degrees(-clockwise));
         breach.found(degrees(other))
     }))
 }
 
-/// 3004h = 1 shows angles from -180 to 180 degrees, 0 from 0 to 360.
+/// With 3004h = 1 the angle ranges from -180 to 180 degrees, with 0 from 0 to 360 degrees.
 #[case(id = "406/inclinometer/range", clause = "CiA 406", confidence = Unknown, level = Should,
        needs = super::needs[Inclinometer], catches = [AngleRangeIgnored])]
 fn range(bench: &mut Bench<'_>) -> Judged {
@@ -144,7 +144,7 @@ fn range(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// 3005h = 1 lets the second angle run opposite to the first one, 0 the same way.
+/// With 3005h = 1 the second angle counts opposite to the first one, with 0 in the same direction.
 #[case(id = "406/inclinometer/redundant-angle", clause = "CiA 406", confidence = Unknown, level = Should,
        needs = super::needs[Inclinometer], catches = [RedundantAngleSame])]
 fn redundant_angle(bench: &mut Bench<'_>) -> Judged {
@@ -163,7 +163,7 @@ fn redundant_angle(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// 3010h = 1 makes the angle of now zero, 0 takes that back.
+/// 3010h = 1 sets the current angle to zero, 0 reverts this.
 #[case(id = "406/inclinometer/zero-point", clause = "CiA 406", confidence = Unknown, level = Should,
        needs = super::needs[Inclinometer], touches = [Preset], catches = [ZeroPointIgnored])]
 fn zero_point(bench: &mut Bench<'_>) -> Judged {
@@ -178,6 +178,6 @@ fn zero_point(bench: &mut Bench<'_>) -> Judged {
     bench.with_leave_to_move(|bench| bench.write(ZERO_POINT, &[0]))?;
     let zero = zero?;
     bench.check(demand(zero.abs() <= TREMBLE, || {
-        Breach::new(ANGLE, "3010h = 1 makes the angle zero").expected(degrees(0)).found(degrees(zero))
+        Breach::new(ANGLE, "3010h = 1 sets the angle to zero").expected(degrees(0)).found(degrees(zero))
     }))
 }

@@ -33,21 +33,21 @@ fn overheated(bench: &mut Bench<'_>, behaviour: u8, to: State) -> Judged {
     bench.expect_state(to, &format!("a temperature beyond its limit with 1029h:02 = {behaviour}"))
 }
 
-/// With 1029h:02 = 0 an operational encoder whose sensor reports an error becomes pre-operational.
+/// With 1029h:02 = 0 an operational encoder enters pre-operational when its sensor reports an error.
 #[case(id = "406/error-behaviour/pre-operational", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = super::needs[Encoder, TemperatureLimit, VisibleState], catches = [ProfileErrorIgnored])]
 fn pre_operational(bench: &mut Bench<'_>) -> Judged {
     overheated(bench, 0, State::PRE_OPERATIONAL)
 }
 
-/// With 1029h:02 = 1 an encoder whose sensor reports an error stays in its state.
+/// With 1029h:02 = 1 an encoder stays in its NMT state when its sensor reports an error.
 #[case(id = "406/error-behaviour/no-change", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = super::needs[Encoder, TemperatureLimit, VisibleState], catches = [ProfileErrorAlwaysLeaves])]
 fn no_change(bench: &mut Bench<'_>) -> Judged {
     overheated(bench, 1, State::OPERATIONAL)
 }
 
-/// With 1029h:02 = 2 an encoder whose sensor reports an error becomes stopped.
+/// With 1029h:02 = 2 an encoder enters stopped when its sensor reports an error.
 #[case(id = "406/error-behaviour/stopped", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = super::needs[Encoder, TemperatureLimit, VisibleState], catches = [ProfileErrorIgnored])]
 fn stopped(bench: &mut Bench<'_>) -> Judged {

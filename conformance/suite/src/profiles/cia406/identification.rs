@@ -20,7 +20,7 @@ const IDENTITY_SERIAL_NUMBER: Multiplexer = Multiplexer::new(object::IDENTITY, 4
 /// The value of 6508h and 650Bh for "not supported".
 const UNUSED: u32 = u32::MAX;
 
-/// 6501h is the physical resolution: it does not follow the scaling.
+/// 6501h is the physical resolution: scaling does not change it.
 ///
 /// Some devices show the scaled resolution, as their manuals say.
 #[case(id = "406/resolution/physical", clause = "CiA 406", confidence = Unknown, level = Must,
@@ -35,7 +35,7 @@ fn physical(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// 6501h and 6502h are not 0: every encoder has steps, and at least one revolution.
+/// 6501h and 6502h are not 0: every encoder has steps and at least one revolution.
 #[case(id = "406/resolution/not-zero", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = super::needs[Encoder], catches = [RevolutionsZero])]
 fn not_zero(bench: &mut Bench<'_>) -> Judged {
@@ -47,7 +47,7 @@ fn not_zero(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// 6507h holds the version of the profile in one of its words, as major and minor number.
+/// One of the two words of 6507h holds the version of the profile, as major and minor number.
 #[case(id = "406/version/profile", clause = "CiA 406", confidence = Unknown, level = Should,
        needs = super::needs[Encoder], catches = [ProfileVersionUnset])]
 fn version(bench: &mut Bench<'_>) -> Judged {
@@ -60,7 +60,7 @@ fn version(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// 6508h counts tenths of an hour, upwards; FFFF FFFFh says that it does not count.
+/// 6508h counts upwards in tenths of an hour; FFFF FFFFh means that it does not count.
 #[case(id = "406/operating-time/counts", clause = "CiA 406", confidence = Unknown, level = Should,
        needs = super::needs[Encoder], catches = [OperatingTimeBackwards, OperatingTimeInSeconds])]
 fn operating_time(bench: &mut Bench<'_>) -> Judged {
@@ -82,7 +82,7 @@ fn operating_time(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// 650Bh is the serial number of the identity object, 1018h:04; FFFF FFFFh says that it is not used.
+/// 650Bh equals the serial number of the identity object, 1018h:04; FFFF FFFFh means that it is not used.
 #[case(id = "406/serial-number/identity", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = super::needs[Encoder], catches = [SerialNumberDiffers])]
 fn serial_number(bench: &mut Bench<'_>) -> Judged {

@@ -39,7 +39,8 @@ fn expect(found: u32, expected: u32, when: &str) -> Check {
     })
 }
 
-/// Bit 12 of 6500h is set below limit switch min, bit 13 above limit switch max, each only where 6000h switches it on.
+/// Bit 12 of 6500h is set below the minimum limit, bit 13 above the maximum limit, each only if 6000h enables its limit
+/// switch.
 #[case(id = "406/limit-switch/bits", clause = "CiA 406", confidence = Unknown, level = Should,
        needs = super::needs[Encoder, Description], catches = [LimitSwitchesSwapped])]
 fn bits(bench: &mut Bench<'_>) -> Judged {
@@ -64,7 +65,7 @@ fn bits(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// On the limit itself a limit switch does not act.
+/// A limit switch is not active at the limit itself.
 #[case(id = "406/limit-switch/limit", clause = "CiA 406", confidence = Unknown, level = Should,
        needs = super::needs[Encoder, Description], catches = [LimitSwitchInclusive])]
 fn limit(bench: &mut Bench<'_>) -> Judged {

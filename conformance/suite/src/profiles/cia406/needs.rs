@@ -35,12 +35,12 @@ pub static ENCODER: Need = Need::new("encoder", "an encoder of CiA 406 with a po
 /// a preset at once wears its memory, and keeps a wrong position if the run ends in the middle.
 pub static VOLATILE_PRESET: Need = Need::new(
     "volatile-preset",
-    "a preset that is not stored at once (or leave to write non-volatile memory)",
+    "a preset that is not stored immediately (or permission to write non-volatile memory)",
     |bench| {
         let may_store = bench.options().allow.contains(&Touch::Nvm);
         Ok(match keeps_presets(bench) && !may_store {
             true => {
-                Err("the device stores a preset at once, and writing non-volatile memory is not allowed".to_owned())
+                Err("the device stores a preset immediately, and writing non-volatile memory is not allowed".to_owned())
             }
             false => Ok(()),
         })
@@ -261,7 +261,7 @@ mod tests {
         };
         let stores = Model::all().iter().find(|model| model.sheet().storage.persist_at_once.contains(&PRESET)).unwrap();
         let lacking = met(stores.id(), &[Touch::NodeId]);
-        let expected = "the device stores a preset at once, and writing non-volatile memory is not allowed";
+        let expected = "the device stores a preset immediately, and writing non-volatile memory is not allowed";
         assert_eq!(lacking.as_deref(), Some(expected));
         assert_eq!((met(stores.id(), &[Touch::Nvm]), met("reference-406", &[]), met("", &[])), (None, None, None));
     }

@@ -14,7 +14,7 @@ use canvass_bus::client::Outcome;
 /// Bits 4 to 11 have no meaning in any version of the profile.
 const RESERVED: u32 = 0x0FF0;
 
-/// Reserved bits of 6000h are refused, or at least not taken over.
+/// Reserved bits of 6000h are refused, or at least read back as 0.
 #[case(id = "406/operating-parameters/reserved-bits", clause = "CiA 406", confidence = Unknown, level = Should,
        needs = super::needs[Encoder], catches = [ReservedOperatingBitsAccepted])]
 fn reserved_bits(bench: &mut Bench<'_>) -> Judged {
@@ -25,7 +25,7 @@ fn reserved_bits(bench: &mut Bench<'_>) -> Judged {
     }
     let after = bench.read_number(OPERATING_PARAMETERS)?;
     bench.check(demand(after & RESERVED == 0, || {
-        let breach = Breach::new(OPERATING_PARAMETERS, "6000h does not take reserved bits over");
+        let breach = Breach::new(OPERATING_PARAMETERS, "6000h does not accept reserved bits");
         breach.expected("bits 4 to 11 are 0").found(number(after & RESERVED)).told(format!("{after:04X}h"))
     }))
 }
@@ -43,8 +43,8 @@ const PARAMETERS: [u16; 7] = [
 /// Bit 2 of 6000h: the measuring range and the units per revolution take effect.
 const SCALING: u32 = 1 << 2;
 
-/// The parameters of the profile that the description calls writable take the values that they have. While scaling is off,
-/// what belongs to it may be locked.
+/// Profile parameters that the description calls writable accept their current values. While scaling is off, the device
+/// may lock the scaling parameters.
 #[case(id = "406/operating-parameters/own-value", clause = "CiA 301 7.4.5", confidence = Cited, level = Must,
        needs = super::needs[Encoder, Description], catches = [OperatingParametersRefused])]
 fn own_value(bench: &mut Bench<'_>) -> Judged {
@@ -72,6 +72,6 @@ fn own_value(bench: &mut Bench<'_>) -> Judged {
         if locked || of_the_moment {
             return Ok(());
         }
-        bench.check(attempt.under("with the value that it has").refused(Situation::Confirmed))
+        bench.check(attempt.under("with its current value").refused(Situation::Confirmed))
     })
 }

@@ -32,7 +32,7 @@ fn count(heard: &[Record], cob_id: u16) -> u64 {
     heard.iter().filter(|record| record.frame.cob_id() == Some(cob_id)).count() as u64
 }
 
-/// The event-driven TPDO 1 is sent when the device becomes operational, without waiting for its event timer.
+/// The device sends the event-driven TPDO 1 when it becomes operational, without waiting for the event timer.
 #[case(id = "406/tpdo/sent-on-start", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = super::needs[Encoder, EventTimer], catches = [FirstPositionMissing])]
 fn sent_on_start(bench: &mut Bench<'_>) -> Judged {
@@ -46,7 +46,7 @@ fn sent_on_start(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// The cyclic timer 6200h sends TPDO 1 periodically; 0 ends that.
+/// The cyclic timer 6200h makes the device send TPDO 1 periodically; 0 ends this.
 #[case(id = "406/cyclic-timer/off", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = super::needs[Encoder, EventTimer], catches = [CyclicTimerNotStopped])]
 fn cyclic_timer_off(bench: &mut Bench<'_>) -> Judged {
@@ -76,7 +76,7 @@ fn cyclic_timer_off(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// 6200h follows the event timer of TPDO 1, which is the same timer.
+/// 6200h follows the event timer of TPDO 1: both are the same timer.
 #[case(id = "406/cyclic-timer/follows-event-timer", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = super::needs[Encoder, EventTimer], catches = [EventTimerNotInCyclicTimer])]
 fn follows_event_timer(bench: &mut Bench<'_>) -> Judged {

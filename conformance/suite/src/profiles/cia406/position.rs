@@ -74,7 +74,7 @@ fn needs_revolutions(bench: &mut Bench<'_>) -> Result<(), Stop> {
     Ok(())
 }
 
-/// Writing a preset makes the position that value, at rest.
+/// Writing a preset at rest sets the position to its value.
 #[case(id = "406/preset/position", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = super::needs[Encoder, VolatilePreset], touches = [Preset], catches = [PresetIgnored])]
 fn preset(bench: &mut Bench<'_>) -> Judged {
@@ -109,12 +109,15 @@ fn code_sequence(bench: &mut Bench<'_>) -> Judged {
     let after = position_at_rest(bench)?;
     // At 0 and in the middle both directions show the same.
     if is_near(before, (range - before) % range, range) {
-        let reason =
-            Reason::new("the shaft stands where the directions differ", "not 0 or half the range", format!("{before}"));
+        let reason = Reason::new(
+            "the shaft is at a place where the two directions give different positions",
+            "not 0 or half the range",
+            format!("{before}"),
+        );
         return Err(Stop::Inconclusive(reason));
     }
     bench.check(demand(!is_near(before, after, range), || {
-        let duty = "with the code sequence turned the same shaft shows another position";
+        let duty = "with reversed code sequence the same place of the shaft has another position";
         Breach::new(POSITION, duty).expected(format!("not {before}")).found(number(after))
     }))
 }
@@ -148,7 +151,7 @@ fn scaling(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// The operating status 6500h shows what 6000h was set to.
+/// The operating status 6500h shows the settings of 6000h.
 #[case(id = "406/operating-status/follows", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = super::needs[Encoder], catches = [OperatingStatusStuck])]
 fn status(bench: &mut Bench<'_>) -> Judged {

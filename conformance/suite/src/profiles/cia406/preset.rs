@@ -39,7 +39,7 @@ fn elsewhere(bench: &mut Bench<'_>) -> Result<(u32, u32), Stop> {
     Ok(((position.wrapping_add(range / 3)) % range, range))
 }
 
-/// 6509h is by how much the preset shifted the position: 6004h is the position without preset plus 6509h.
+/// 6509h is the shift of the position by the preset: 6004h is the position without preset plus 6509h.
 #[case(id = "406/preset/offset", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = super::needs[Encoder, VolatilePreset], touches = [Preset], catches = [OffsetSignWrong, OffsetNotReported])]
 fn offset(bench: &mut Bench<'_>) -> Judged {
@@ -57,7 +57,7 @@ fn offset(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// From the confirmation of the preset on, 6004h shows it, without a jump in between.
+/// 6004h shows the preset as soon as it is confirmed, without a jump in between.
 #[case(id = "406/preset/at-once", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = super::needs[Encoder, VolatilePreset], touches = [Preset], catches = [PresetGlitch])]
 fn at_once(bench: &mut Bench<'_>) -> Judged {
@@ -66,14 +66,14 @@ fn at_once(bench: &mut Bench<'_>) -> Judged {
     for _ in 0..10 {
         let position = bench.read_number(POSITION)?;
         demand(is_near(position, wanted, range), || {
-            let breach = Breach::new(POSITION, "after a preset 6004h has its value at once");
+            let breach = Breach::new(POSITION, "after a preset 6004h has its value immediately");
             breach.expected(number(wanted)).found(number(position))
         })?;
     }
     Ok(())
 }
 
-/// A TPDO that carries the position shows the preset too, from the first one on.
+/// A TPDO that carries the position also shows the preset, beginning with the first TPDO after it.
 #[case(id = "406/preset/tpdo", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = super::needs[Encoder, EventTimer, VolatilePreset], touches = [Preset], catches = [TpdoPositionWithoutPreset, TpdoPositionLate])]
 fn tpdo(bench: &mut Bench<'_>) -> Judged {
@@ -97,14 +97,14 @@ fn tpdo(bench: &mut Bench<'_>) -> Judged {
     };
     let position = crate::bench::sdo::number(first.data());
     bench.check(demand(is_near(position, wanted, range), || {
-        let breach = Breach::new(TPDO_1, "the TPDO after a preset carries it");
+        let breach = Breach::new(TPDO_1, "the first TPDO after a preset carries the preset");
         breach.expected(number(wanted)).found(number(position))
     }))
 }
 
-/// A preset that was not stored is gone after reset node.
+/// A preset that was not stored is lost at reset node.
 ///
-/// Some devices store a preset at once, as their manuals say.
+/// Some devices store a preset immediately, as their manuals say.
 #[case(id = "406/preset/volatile", clause = "CiA 406", confidence = Unknown, level = Should,
        needs = super::needs[Encoder, VolatilePreset], touches = [Preset], catches = [PresetPersists])]
 fn volatile(bench: &mut Bench<'_>) -> Judged {
@@ -113,12 +113,12 @@ fn volatile(bench: &mut Bench<'_>) -> Judged {
     bench.reset(Command::RESET_NODE)?;
     let position = position_at_rest(bench)?;
     bench.check(demand(is_near(position, before, range), || {
-        let duty = "a preset that was not stored is gone after reset node";
+        let duty = "a preset that was not stored is lost at reset node";
         Breach::new(POSITION, duty).expected(number(before)).found(number(position))
     }))
 }
 
-/// A preset that 1010h stored is there after reset node.
+/// A preset that 1010h stored is restored after reset node.
 #[case(id = "406/preset/stored", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = super::needs[Encoder, Store], touches = [Nvm, Preset], catches = [PresetLostAfterSave])]
 fn stored(bench: &mut Bench<'_>) -> Judged {
@@ -128,7 +128,7 @@ fn stored(bench: &mut Bench<'_>) -> Judged {
     bench.reset(Command::RESET_NODE)?;
     let position = position_at_rest(bench)?;
     bench.check(demand(is_near(position, wanted, range), || {
-        let duty = "a preset that was stored is there after reset node";
+        let duty = "a stored preset is restored after reset node";
         Breach::new(POSITION, duty).expected(number(wanted)).found(number(position))
     }))
 }

@@ -53,8 +53,8 @@ const LENGTHS: [(u16, &[usize]); 17] = [
 const DEVICE_TYPE: Multiplexer = Multiplexer::new(object::DEVICE_TYPE, 0);
 const REVOLUTIONS: Multiplexer = Multiplexer::new(encoder::NUMBER_OF_REVOLUTIONS, 0);
 
-/// The upper word of the device type 1000h fits what the encoder can do: 1 is a single-turn encoder, with one revolution
-/// in 6502h, 2 a multi-turn encoder, with more.
+/// The upper word of the device type 1000h matches the encoder: 1 is a single-turn encoder, with one revolution in
+/// 6502h, 2 a multi-turn encoder, with several.
 #[case(id = "406/device-type/turns", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = super::needs[Encoder], catches = [DeviceTypeTurnsWrong])]
 fn device_type(bench: &mut Bench<'_>) -> Judged {
@@ -75,7 +75,7 @@ fn device_type(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// The objects that class C2 demands exist.
+/// All objects that class C2 requires exist.
 #[case(id = "406/profile/mandatory-objects", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = super::needs[Encoder], catches = [OperatingStatusMissing, AlarmsMissing])]
 fn mandatory(bench: &mut Bench<'_>) -> Judged {
@@ -92,7 +92,7 @@ fn mandatory(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// The objects of the profile have the lengths of its data types.
+/// The objects of the profile have the lengths of their data types.
 #[case(id = "406/profile/data-types", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = super::needs[Encoder], catches = [PositionSixteenBit, OperatingParametersThirtyTwoBit])]
 fn data_types(bench: &mut Bench<'_>) -> Judged {

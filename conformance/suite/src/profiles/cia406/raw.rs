@@ -34,7 +34,7 @@ fn preset(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// 2161h is the inverse of the raw position 2160h, as the manufacturer's manual says: all bits are turned.
+/// 2161h is the bitwise inverse of the raw position 2160h, as the manufacturer's manual says.
 #[case(id = "406/raw-position/inverse", clause = "CiA 406", confidence = Unknown, level = Should,
        needs = super::needs[Encoder, RawData], catches = [RawInverseWrong])]
 fn inverse(bench: &mut Bench<'_>) -> Judged {
@@ -45,7 +45,8 @@ fn inverse(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// 2162h is the CRC-16 (polynomial 1021h, start 1021h) of the raw position 2160h, as the manufacturer's manual says.
+/// 2162h is the CRC-16 (polynomial 1021h, start value 1021h) of the raw position 2160h, as the manufacturer's manual
+/// says.
 #[case(id = "406/raw-position/checksum", clause = "CiA 406", confidence = Unknown, level = Should,
        needs = super::needs[Encoder, RawData], catches = [RawCrcStartWrong])]
 fn checksum(bench: &mut Bench<'_>) -> Judged {
@@ -68,7 +69,7 @@ fn checksum(bench: &mut Bench<'_>) -> Judged {
     bench.check(Err(Box::new(breach.found(number(found)).told(format!("{found:04X}h")))))
 }
 
-/// While the shaft turns, the raw position 600Ch changes, as the position 6004h does.
+/// While the shaft turns, the raw position 600Ch changes together with the position 6004h.
 #[case(id = "406/raw-position/moves", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = super::needs[Encoder, RawPosition, TurningShaft], catches = [RawPositionStands])]
 fn moves(bench: &mut Bench<'_>) -> Judged {

@@ -19,7 +19,7 @@ use canvass_bus::observation::Observation;
 const SINGLE_TURN: Multiplexer = Multiplexer::new(encoder::SINGLE_TURN_RESOLUTION, 0);
 const DEVICE_TYPE: Multiplexer = Multiplexer::new(object::DEVICE_TYPE, 0);
 
-/// 6001h = 0 is refused, or put right; whatever becomes of it, the device goes on answering.
+/// The device refuses 6001h = 0 or corrects the value, and still answers in either case.
 #[case(id = "406/scaling/zero-units", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = super::needs[Encoder], catches = [UnitsZeroWedges])]
 fn zero_units(bench: &mut Bench<'_>) -> Judged {
@@ -35,8 +35,8 @@ fn zero_units(bench: &mut Bench<'_>) -> Judged {
     Ok(())
 }
 
-/// A measuring range of less than one revolution is refused, from both sides: 6001h above 6002h, 6002h below 6001h. The
-/// old value stays.
+/// A measuring range of less than one revolution is refused, for both objects: 6001h above 6002h, 6002h below 6001h.
+/// The old value stays.
 #[case(id = "406/scaling/units-above-range", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = super::needs[Encoder], catches = [UnitsAboveRangeAccepted])]
 fn units_above_range(bench: &mut Bench<'_>) -> Judged {
@@ -52,7 +52,8 @@ fn units_above_range(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// With scaling on the position is that of the sensor times 6001h, by the steps of a revolution 6501h, within 6002h.
+/// With scaling on, the position is the position of the sensor multiplied by 6001h, divided by the steps of a
+/// revolution (6501h), within the range 6002h.
 #[case(id = "406/scaling/proportional", clause = "CiA 406", confidence = Unknown, level = Should,
        needs = super::needs[Encoder], catches = [ScaledPositionStands])]
 fn proportional(bench: &mut Bench<'_>) -> Judged {
@@ -74,8 +75,9 @@ fn proportional(bench: &mut Bench<'_>) -> Judged {
         let position = position_at_rest(bench)?;
         let expected = u32::try_from(physical * u64::from(units) / steps % u64::from(range)).unwrap_or(0);
         bench.check(demand(is_near(position, expected, range), || {
-            let duty =
-                format!("{physical} steps are {expected} of {units} units per revolution, of which are {steps} steps");
+            let duty = format!(
+                "with {units} units and {steps} steps per revolution, {physical} steps are position {expected}"
+            );
             let stays = u64::from(position).abs_diff(physical) <= 1;
             let found = if stays { Observation::named("the position without scaling") } else { number(position) };
             Breach::new(POSITION, duty).expected(number(expected)).found(found).told(position.to_string())
@@ -83,7 +85,7 @@ fn proportional(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// While scaling is on, 6001h and 6002h take the values that they have.
+/// While scaling is on, 6001h and 6002h accept their current values.
 #[case(id = "406/scaling/own-values", clause = "CiA 406", confidence = Unknown, level = Should,
        needs = super::needs[Encoder], catches = [ScalingRefused])]
 fn own_values(bench: &mut Bench<'_>) -> Judged {
@@ -93,13 +95,14 @@ fn own_values(bench: &mut Bench<'_>) -> Judged {
             return Ok(());
         }
         let own = bench.read(at)?;
-        let attempt = bench.download(at, &own)?.under("with the value that it has");
+        let attempt = bench.download(at, &own)?.under("with its current value");
         bench.check(attempt.refused(Situation::Confirmed))
     })
 }
 
-/// While scaling is on, 6001h takes a half, a quarter and an eighth of the steps of a revolution, none of which is more than
-/// the measuring range, and reads as it was written. Then 6002h takes a half and a quarter of its range.
+/// While scaling is on, 6001h accepts a half, a quarter and an eighth of the steps of a revolution, as long as the
+/// value does not exceed the measuring range, and reads back as written. Then 6002h accepts a half and a quarter of its
+/// range.
 #[case(id = "406/scaling/fewer-units", clause = "CiA 406", confidence = Unknown, level = Should,
        needs = super::needs[Encoder], catches = [UnitsFewerRefused, RangeSmallerRefused, ScalingRefused])]
 fn fewer_units(bench: &mut Bench<'_>) -> Judged {
@@ -134,12 +137,12 @@ fn smaller_range(bench: &mut Bench<'_>, range: u32) -> Judged {
     let parts = [2, 4].map(|part| range / part).into_iter().filter(|&part| part >= units.saturating_mul(2));
     let taken: Vec<u32> = parts.filter(|&part| bench.is_within_limits(RANGE, part.into())).collect();
     bench.each(taken, |bench, part| {
-        let attempt = bench.download(RANGE, &part.to_le_bytes())?.under("with a part of the range that it has");
+        let attempt = bench.download(RANGE, &part.to_le_bytes())?.under("with a part of its current range");
         bench.check(attempt.refused(Situation::Confirmed))
     })
 }
 
-/// 6002h = 0 is refused, or stands for 2^32: the position takes any preset.
+/// The device refuses 6002h = 0, or treats it as 2^32: the position accepts any preset.
 #[case(id = "406/scaling/zero-range", clause = "CiA 406", confidence = Unknown, level = Should,
        needs = super::needs[Encoder, VolatilePreset], touches = [Preset], catches = [RangeZeroStops])]
 fn zero_range(bench: &mut Bench<'_>) -> Judged {
@@ -156,7 +159,8 @@ fn zero_range(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// The same shaft seen in both code sequences: the two positions, without the offset 6509h, add up to the measuring range.
+/// At the same place of the shaft the positions in both code sequences, without the offset 6509h, add up to the
+/// measuring range.
 #[case(id = "406/scaling/mirrored", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = super::needs[Encoder], catches = [CodeSequenceIgnored])]
 fn mirrored(bench: &mut Bench<'_>) -> Judged {
@@ -165,8 +169,8 @@ fn mirrored(bench: &mut Bench<'_>) -> Judged {
     mirror(bench, 4_096)
 }
 
-/// A measuring range that is no power of two is kept: the position stays below it in both code sequences, and the two
-/// add up to it.
+/// The device observes a measuring range that is no power of two: in both code sequences the position stays below it,
+/// and the two positions add up to it.
 #[case(id = "406/scaling/range-not-binary", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = super::needs[Encoder], catches = [WrapAtPowerOfTwo, ScalingOverflow])]
 fn not_binary(bench: &mut Bench<'_>) -> Judged {
@@ -193,11 +197,9 @@ fn mirror(bench: &mut Bench<'_>, range: u32) -> Judged {
     let [up, down] = seen;
     let sum = u32::try_from((up + down).rem_euclid(range.into())).unwrap_or(u32::MAX);
     bench.check(demand(is_near(sum, 0, range), || {
-        let duty = format!("with 6002h = {range} both code sequences mirror each other");
+        let duty = format!("the positions in both code sequences add up to 6002h = {range}");
         let expected = (i64::from(range) - up).rem_euclid(range.into());
         let breach = Breach::new(POSITION, duty).expected(format!("{up} and {expected}"));
-        breach
-            .found(Observation::named("code sequences that do not mirror each other"))
-            .told(format!("{up} and {down}"))
+        breach.found(Observation::named("positions that do not add up to 6002h")).told(format!("{up} and {down}"))
     }))
 }

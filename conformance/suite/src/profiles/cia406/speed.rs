@@ -78,7 +78,7 @@ fn rest(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// In revolutions per minute the speed is what the position turns.
+/// In revolutions per minute, the speed equals the measured change of the position.
 #[case(id = "406/speed/revolutions-per-minute", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = super::needs[Encoder, Speed, TurningShaft], catches = [SpeedTenfold])]
 fn revolutions_per_minute(bench: &mut Bench<'_>) -> Judged {
@@ -93,8 +93,8 @@ fn revolutions_per_minute(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// The sign of the speed is that of the change of position, in both code sequences, in which the same change of position is
-/// the same speed.
+/// The speed has the sign of the change of the position in both code sequences. The same change of the position gives
+/// the same magnitude of the speed in both.
 #[case(id = "406/speed/sign", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = super::needs[Encoder, Speed, TurningShaft], catches = [SpeedSignIgnoresCodeSequence, SpeedDoubledBackwards])]
 fn sign(bench: &mut Bench<'_>) -> Judged {
@@ -133,7 +133,7 @@ fn in_units_bit(bench: &mut Bench<'_>) -> Result<u32, Stop> {
     Ok(if taken { v3 } else { v4 })
 }
 
-/// The speed format of 6000h changes the unit from revolutions per minute to units per second.
+/// The speed format in 6000h changes the unit of the speed from revolutions per minute to units per second.
 #[case(id = "406/speed/format", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = super::needs[Encoder, Speed, TurningShaft], catches = [SpeedFormatIgnored])]
 fn format(bench: &mut Bench<'_>) -> Judged {
@@ -148,14 +148,14 @@ fn format(bench: &mut Bench<'_>) -> Judged {
     bench.listen(Duration::from_millis(500))?;
     let fast = signed(bench, SPEED)?;
     bench.check(demand(fast.abs() > slow.abs() + 2, || {
-        let duty = "in units per second 6030h is 256/60 of that in revolutions per minute, or more";
+        let duty = "6030h in units per second is 256/60 of 6030h in revolutions per minute, or more";
         let breach = Breach::new(SPEED, duty).expected(format!("{}", slow * 256 / 60));
         breach.found(shown(fast)).told(fast.to_string())
     }))
 }
 
-/// In units per second the speed is what the position changes by, whatever the units per revolution are: the position 6004h, or
-/// by 6031h:01 the raw one in physical steps.
+/// In units per second, the speed equals the measured change of the position, for any number of units per revolution:
+/// of the position 6004h, or of the raw position in physical steps if 6031h:01 selects it.
 #[case(id = "406/speed/units-per-second", clause = "CiA 406", confidence = Unknown, level = Should,
        needs = super::needs[Encoder, Speed, TurningShaft], catches = [SpeedInPhysicalSteps])]
 fn units(bench: &mut Bench<'_>) -> Judged {
@@ -202,7 +202,7 @@ fn divisor(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// At constant speed the acceleration is 0.
+/// The acceleration is 0 at constant speed.
 #[case(id = "406/acceleration/constant-speed", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = super::needs[Encoder, Acceleration, TurningShaft], catches = [AccelerationShowsSpeed])]
 fn acceleration(bench: &mut Bench<'_>) -> Judged {
@@ -220,7 +220,7 @@ fn acceleration(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// At constant speed the jerk 6050h is 0, as the acceleration is.
+/// The jerk 6050h is 0 at constant speed, like the acceleration.
 #[case(id = "406/jerk/constant-speed", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = super::needs[Encoder, Jerk, TurningShaft], catches = [JerkShowsSpeed])]
 fn jerk(bench: &mut Bench<'_>) -> Judged {

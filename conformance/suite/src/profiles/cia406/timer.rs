@@ -13,7 +13,7 @@ use canvass_traces::Duration;
 
 const CYCLIC_TIMER: Multiplexer = Multiplexer::new(encoder::CYCLIC_TIMER, 0);
 
-/// 6200h and the event timer of TPDO 1 are the same: what is written to one is read from the other.
+/// 6200h and the event timer of TPDO 1 are the same timer: a value written to one is read from the other.
 #[case(id = "406/cyclic-timer/event-timer", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = super::needs[Encoder, EventTimer], catches = [CyclicTimerNotLinked])]
 fn event_timer(bench: &mut Bench<'_>) -> Judged {
@@ -31,8 +31,8 @@ fn event_timer(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// TPDO 1 of an operational encoder comes with the period of 6200h, where that is its only timer, and its transmission type
-/// is event-driven. With another period it comes with that one, without a restart.
+/// An operational encoder sends TPDO 1 with the period of 6200h, if that is its only timer and its transmission type is
+/// event-driven. A new period takes effect without a restart.
 #[case(id = "406/cyclic-timer/period", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = super::needs[Encoder, Tpdo], touches = [Nvm], catches = [CyclicTimerIdle])]
 fn period(bench: &mut Bench<'_>) -> Judged {

@@ -52,7 +52,7 @@ fn middle(bench: &mut Bench<'_>) -> Result<u32, Stop> {
     Err(Stop::NotApplicable(Reason::new(duty, expected, format!("{position}"))))
 }
 
-/// While the position lies between the limits, no bit of 6400h is set.
+/// No bit of 6400h is set while the position lies between the limits.
 #[case(id = "406/work-area/inside", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = super::needs[Encoder, WorkArea], catches = [WorkAreaInverted])]
 fn inside(bench: &mut Bench<'_>) -> Judged {
@@ -61,7 +61,7 @@ fn inside(bench: &mut Bench<'_>) -> Judged {
     expect_state(bench, "inside the work area", ALL, 0)
 }
 
-/// A position above the high limit 6402h is an overflow, bit 1 of 6400h.
+/// A position above the high limit 6402h sets the overflow bit, bit 1 of 6400h.
 #[case(id = "406/work-area/overflow", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = super::needs[Encoder, WorkArea], catches = [WorkAreaBitsSwapped, WorkAreaStuck])]
 fn overflow(bench: &mut Bench<'_>) -> Judged {
@@ -70,7 +70,7 @@ fn overflow(bench: &mut Bench<'_>) -> Judged {
     expect_state(bench, "above the high limit", ALL & !OUT_OF_RANGE, OVERFLOW)
 }
 
-/// A position below the low limit 6401h is an underflow, bit 2 of 6400h.
+/// A position below the low limit 6401h sets the underflow bit, bit 2 of 6400h.
 #[case(id = "406/work-area/underflow", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = super::needs[Encoder, WorkArea], catches = [WorkAreaBitsSwapped, WorkAreaStuck])]
 fn underflow(bench: &mut Bench<'_>) -> Judged {
@@ -79,7 +79,7 @@ fn underflow(bench: &mut Bench<'_>) -> Judged {
     expect_state(bench, "below the low limit", ALL & !OUT_OF_RANGE, UNDERFLOW)
 }
 
-/// A low limit above the high one is refused.
+/// A low limit above the high limit is refused.
 #[case(id = "406/work-area/limits-swapped", clause = "CiA 406", confidence = Unknown, level = Should,
        needs = super::needs[Encoder, WorkArea], catches = [WorkAreaLimitsSwappedAccepted, LimitsSwappedWrongCode])]
 fn swapped(bench: &mut Bench<'_>) -> Judged {
@@ -89,7 +89,8 @@ fn swapped(bench: &mut Bench<'_>) -> Judged {
     bench.check(attempt.refused(Situation::MaximumBelowMinimum))
 }
 
-/// Whether bit 0 of 6400h is set where the position lies above or below the limits: recorded only, as manuals differ.
+/// The case only records whether bit 0 of 6400h is set while the position lies above or below the limits, because
+/// manuals differ.
 #[case(id = "406/work-area/outside", clause = "CiA 406", confidence = Unknown, level = Open,
        needs = super::needs[Encoder, WorkArea], catches = [WorkAreaInverted, WorkAreaOutsideOneSided])]
 fn outside(bench: &mut Bench<'_>) -> Judged {

@@ -39,7 +39,7 @@ pub static HEARTBEAT_CONSUMER: Need =
 fn heartbeat_consumer(bench: &mut Bench<'_>) -> Result<Met, Stop> {
     Ok(match (bench.has(Multiplexer::new(object::CONSUMER_HEARTBEAT_TIME, 1))?, bench.vacant_neighbour()) {
         (false, _) => Err("the device has no 1016h:01".to_owned()),
-        (true, None) => Err("every node-ID beside that of the device is in use".to_owned()),
+        (true, None) => Err("every node-ID next to that of the device is in use".to_owned()),
         (true, Some(_)) => Ok(()),
     })
 }
@@ -50,7 +50,7 @@ pub static MONITORING: Need =
         match bench.can_be_guarded()? {
             true => Ok(Ok(())),
             false if watches_once_stored(bench) => {
-                Ok(Err("the device watches other nodes only once that is stored, as its manual says".to_owned()))
+                Ok(Err("the device monitors other nodes only after 1016h is stored, as its manual says".to_owned()))
             }
             false => heartbeat_consumer(bench),
         }
@@ -66,7 +66,7 @@ pub static GUARDING: Need = Need::new("guarding", "node guarding (100Ch)", |benc
     Ok(match (bench.has(GUARD_TIME)?, bench.heartbeats()?) {
         (false, _) => Err("the device has no 100Ch".to_owned()),
         (true, Heartbeats::Fixed(_)) => {
-            Err("its heartbeat can't be switched off (1017h), and goes before guarding".to_owned())
+            Err("its heartbeat (1017h) can't be switched off, and takes precedence over guarding".to_owned())
         }
         (true, _) => Ok(()),
     })

@@ -265,7 +265,7 @@ fn a_heartbeat_consumer_needs_a_vacant_neighbour() {
     };
     assert_eq!(consumer(&[0x3D, 0x3E, 0x40]), None);
     let full = consumer(&[0x3D, 0x3E, 0x40, 0x41]);
-    assert_eq!(full.as_deref(), Some("every node-ID beside that of the device is in use"));
+    assert_eq!(full.as_deref(), Some("every node-ID next to that of the device is in use"));
 }
 
 /// Some devices monitor other nodes only after 1016h is stored: their manual says so, and cases that store nothing do
@@ -282,7 +282,7 @@ fn a_manual_says_that_monitoring_acts_once_it_is_stored() {
     assert_eq!(met("reference-301", std::slice::from_ref(&consumer)), None);
     assert_eq!(
         met(stored.id(), std::slice::from_ref(&consumer)).as_deref(),
-        Some("the device watches other nodes only once that is stored, as its manual says")
+        Some("the device monitors other nodes only after 1016h is stored, as its manual says")
     );
     assert_eq!(met(stored.id(), &guard), None, "guarding acts at once");
     assert_eq!(met("reference-301", &[]).as_deref(), Some("the device has no 1016h:01"));

@@ -19,15 +19,15 @@ fn undisturbed(bench: &mut Bench<'_>, by: &str) -> Judged {
     bench.expect_state(State::OPERATIONAL, by)
 }
 
-/// Commands to another node-ID change nothing: no state, no restart.
+/// NMT commands to another node-ID do not affect the device: its NMT state stays the same, and it does not restart.
 ///
-/// The node-ID beside the device's own is used, unless a node was heard there.
+/// The case uses the node-ID next to that of the device, unless a node was heard there.
 #[case(id = "301/nmt/other-node", clause = "CiA 301 7.2.8.3.1.1", confidence = Cited, level = Must,
        needs = [VisibleState], catches = [NmtNodeIdIgnored])]
 fn other_node(bench: &mut Bench<'_>) -> Judged {
     bench.look_for_others()?;
     let Some(other) = bench.vacant_neighbour() else {
-        let reason = Reason::new("a node-ID beside that of the device is free", "no node", "nodes on both sides");
+        let reason = Reason::new("a node-ID next to that of the device is free", "no node", "nodes on both sides");
         return Err(Stop::NotApplicable(reason));
     };
     bench.each(Command::ALL, |bench, command| {
@@ -37,7 +37,8 @@ fn other_node(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// A node-ID byte of 128 to 255 addresses nobody: node-IDs are 1 to 127, and 0 means all.
+/// NMT commands with a node-ID byte of 128 to 255 address no device: node-IDs are 1 to 127, and 0 addresses all
+/// devices.
 #[case(id = "301/nmt/reserved-node-id", clause = "CiA 301 7.2.8.1", confidence = Cited, level = Should,
        needs = [VisibleState], catches = [NmtNodeIdIgnored])]
 fn reserved_node_id(bench: &mut Bench<'_>) -> Judged {
@@ -52,9 +53,9 @@ fn reserved_node_id(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// Command specifiers that CiA 301 does not define are ignored.
+/// The device ignores NMT command specifiers that CiA 301 does not define.
 ///
-/// That messages with invalid content are ignored is said in annex A, which is a recommendation.
+/// Annex A of CiA 301, which is a recommendation, says that messages with invalid content are ignored.
 #[case(id = "301/nmt/reserved-command", clause = "CiA 301 7.2.8.3.1.1", confidence = Cited, level = Should,
        needs = [VisibleState], catches = [NmtUnknownCommandStops])]
 fn reserved_command(bench: &mut Bench<'_>) -> Judged {
@@ -65,8 +66,8 @@ fn reserved_command(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// NMT commands as 29-bit or remote frames, or too short to name a node, are ignored: NMT is a data frame of two bytes with
-/// the 11-bit CAN-ID 0.
+/// The device ignores NMT commands that are 29-bit frames, remote frames or too short to contain a node-ID: an NMT
+/// command is a data frame of two bytes with the 11-bit CAN-ID 0.
 #[case(id = "301/nmt/malformed", clause = "CiA 301 7.3.3", confidence = Cited, level = Must,
        needs = [VisibleState], catches = [NmtShortFrameObeyed, ExtendedFrameObeyed])]
 fn malformed(bench: &mut Bench<'_>) -> Judged {
@@ -87,7 +88,8 @@ fn malformed(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// Of several commands in quick succession the last one decides, and none is lost.
+/// The device executes all of several NMT commands that follow each other without a pause: its final NMT state is that
+/// of the last command.
 #[case(id = "301/nmt/back-to-back", clause = "CiA 301 7.2.8.2.1.2", confidence = Cited, level = Must,
        needs = [VisibleState], catches = [NmtStartWhenStoppedIgnored, NmtCommandLost])]
 fn back_to_back(bench: &mut Bench<'_>) -> Judged {
@@ -102,8 +104,8 @@ fn back_to_back(bench: &mut Bench<'_>) -> Judged {
     bench.expect_state(State::OPERATIONAL, "20 commands back to back, the last of which was start remote node")
 }
 
-/// An NMT frame of more than two bytes is obeyed or ignored, but its surplus bytes are not taken for a command. Which of
-/// the two is noted: CiA 301 does not say.
+/// The device executes or ignores an NMT frame of more than two bytes, but never takes the additional bytes for a
+/// command. The case notes which of the two it does, because CiA 301 does not say.
 #[case(id = "301/nmt/long-frame", clause = "CiA 301 7.2.8.3.1.1", confidence = Cited, level = Should,
        needs = [VisibleState], catches = [NmtLongFrameMisread])]
 fn long_frame(bench: &mut Bench<'_>) -> Judged {
@@ -120,7 +122,7 @@ fn long_frame(bench: &mut Bench<'_>) -> Judged {
         bench.command(Command::ENTER_PRE_OPERATIONAL)?;
         let allowed = [State::PRE_OPERATIONAL, State::OPERATIONAL];
         demand(state.is_some_and(|state| allowed.contains(&state)), || {
-            let duty = format!("an NMT frame of {length} bytes does what its first two say, or nothing");
+            let duty = format!("an NMT frame of {length} bytes has the effect of its first two bytes, or none");
             let found = state.map_or(Observation::Silence, Observation::State);
             let allowed = Allowed::OneOf(allowed.map(Observation::State).to_vec());
             Breach::new(Subject::Device, duty).expected(allowed).found(found)

@@ -25,35 +25,35 @@ fn reset(bench: &mut Bench<'_>, command: Command) -> Judged {
     }))
 }
 
-/// Start remote node to node-ID 0 is obeyed like the same command to the device alone.
+/// The device executes start remote node to node-ID 0 like the same command to its own node-ID.
 #[case(id = "301/nmt/broadcast/start", clause = "CiA 301 7.2.8.3.1.1", confidence = Cited, level = Must,
        needs = [Alone, VisibleState], catches = [NmtBroadcastIgnored])]
 fn start(bench: &mut Bench<'_>) -> Judged {
     transition(bench, State::PRE_OPERATIONAL, Command::START, State::OPERATIONAL)
 }
 
-/// Stop remote node to node-ID 0 is obeyed like the same command to the device alone.
+/// The device executes stop remote node to node-ID 0 like the same command to its own node-ID.
 #[case(id = "301/nmt/broadcast/stop", clause = "CiA 301 7.2.8.3.1.2", confidence = Cited, level = Must,
        needs = [Alone, VisibleState], catches = [NmtBroadcastIgnored])]
 fn stop(bench: &mut Bench<'_>) -> Judged {
     transition(bench, State::OPERATIONAL, Command::STOP, State::STOPPED)
 }
 
-/// Enter pre-operational to node-ID 0 is obeyed like the same command to the device alone.
+/// The device executes enter pre-operational to node-ID 0 like the same command to its own node-ID.
 #[case(id = "301/nmt/broadcast/enter-pre-operational", clause = "CiA 301 7.2.8.3.1.3", confidence = Cited, level = Must,
        needs = [Alone, VisibleState], catches = [NmtBroadcastIgnored])]
 fn enter_pre_operational(bench: &mut Bench<'_>) -> Judged {
     transition(bench, State::OPERATIONAL, Command::ENTER_PRE_OPERATIONAL, State::PRE_OPERATIONAL)
 }
 
-/// Reset node to node-ID 0 resets the device like the same command to it alone.
+/// Reset node to node-ID 0 resets the device like the same command to its own node-ID.
 #[case(id = "301/nmt/broadcast/reset-node", clause = "CiA 301 7.2.8.3.1.4", confidence = Cited, level = Must,
        needs = [Alone], catches = [NmtBroadcastIgnored])]
 fn reset_node(bench: &mut Bench<'_>) -> Judged {
     reset(bench, Command::RESET_NODE)
 }
 
-/// Reset communication to node-ID 0 resets the device like the same command to it alone.
+/// Reset communication to node-ID 0 resets the device like the same command to its own node-ID.
 #[case(id = "301/nmt/broadcast/reset-communication", clause = "CiA 301 7.2.8.3.1.5", confidence = Cited, level = Must,
        needs = [Alone], catches = [NmtBroadcastIgnored])]
 fn reset_communication(bench: &mut Bench<'_>) -> Judged {

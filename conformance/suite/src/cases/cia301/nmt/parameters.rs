@@ -8,14 +8,14 @@ use canvass_analyzer::wire::nmt::Command;
 use canvass_bus::client::Outcome;
 use canvass_bus::observation::Observation;
 
-/// Reset communication brings communication parameters that were changed but not stored back to their power-on values.
+/// Reset communication sets communication parameters that were changed but not stored to their power-on values.
 #[case(id = "301/nmt/reset-communication/parameters", clause = "CiA 301 7.3.2.2.1", confidence = Cited, level = Must,
        needs = [ScratchObject], catches = [NmtResetCommunicationKeepsParameters, ParameterDriftsAtReset])]
 fn reset_communication(bench: &mut Bench<'_>) -> Judged {
     power_on_value(bench, Command::RESET_COMMUNICATION)
 }
 
-/// Reset node brings communication parameters that were changed but not stored back to their power-on values.
+/// Reset node sets communication parameters that were changed but not stored to their power-on values.
 #[case(id = "301/nmt/reset-node/parameters", clause = "CiA 301 7.3.2.2.1", confidence = Cited, level = Must,
        needs = [ScratchObject], catches = [NmtResetNodeKeepsParameters, ParameterDriftsAtReset], cct = "9.1")]
 fn reset_node(bench: &mut Bench<'_>) -> Judged {
@@ -46,7 +46,7 @@ fn power_on_value(bench: &mut Bench<'_>, command: Command) -> Judged {
         }
     }
     if changed.is_empty() {
-        let reason = Reason::new("a communication parameter takes another value", "a confirmation", "none");
+        let reason = Reason::new("a communication parameter accepts another value", "a confirmation", "none");
         return Err(Stop::Inconclusive(reason));
     }
     bench.reset(command)?;
@@ -80,19 +80,20 @@ fn has(scratch: &Scratch, duty: String, right: &[u8], now: Vec<u8>) -> crate::ve
     })
 }
 
-/// Reset communication leaves the parameters of the application, 2000h and above, as they are.
+/// Reset communication does not change the parameters of the application (2000h and above).
 #[case(id = "301/nmt/reset-communication/application", clause = "CiA 301 7.3.2.2.1", confidence = Cited,
        level = Must, needs = [ApplicationParameter], catches = [NmtResetCommunicationRestoresAll])]
 fn application(bench: &mut Bench<'_>) -> Judged {
     let Some(scratch) = bench.application_scratch()? else { return Ok(()) };
     let now = changed_and_reset(bench, &scratch, Command::RESET_COMMUNICATION)?;
-    let duty = format!("{} keeps its value over reset communication", scratch.multiplexer);
+    let duty = format!("{} keeps its value after reset communication", scratch.multiplexer);
     bench.check(has(&scratch, duty, &scratch.other, now))
 }
 
-/// Reset node brings parameters of the application that were changed but not stored back to their power-on values.
+/// Reset node sets application parameters that were changed but not stored to their power-on values.
 ///
-/// What a manufacturer's variable that RPDOs carry holds after a reset is only recorded: it is no parameter.
+/// The case only records the value after the reset of a manufacturer-specific variable that an RPDO can carry, because
+/// such a variable is no parameter.
 #[case(id = "301/nmt/reset-node/application", clause = "CiA 301 7.3.2.2.1", confidence = Cited, level = Must,
        needs = [ApplicationParameter], catches = [NmtResetNodeKeepsParameters])]
 fn application_power_on(bench: &mut Bench<'_>) -> Judged {

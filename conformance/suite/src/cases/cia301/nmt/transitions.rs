@@ -23,7 +23,7 @@ fn reset(bench: &mut Bench<'_>, from: State, command: Command) -> Judged {
     let boot_up = bench.wait_for_boot_up()?;
     let timing = bench.timing();
     demand(boot_up.is_some(), || {
-        let duty = format!("the device starts anew within {} of {command} in {from}", timing.boot_up);
+        let duty = format!("the device restarts within {} of {command} in {from}", timing.boot_up);
         Breach::new(Service::BootUp, duty).expected(Observation::BootUp).found(Observation::Silence)
     })?;
     bench.show_state()?;
@@ -35,7 +35,7 @@ fn reset(bench: &mut Bench<'_>, from: State, command: Command) -> Judged {
     }
     let found = found.map_or(Observation::Silence, Observation::State);
     bench.check(demand(allowed.contains(&found), || {
-        let duty = format!("the device is in its first state after {command} in {from}");
+        let duty = format!("the device is in its initial state after {command} in {from}");
         Breach::new(Subject::Device, duty).expected(Allowed::OneOf(allowed)).found(found)
     }))
 }

@@ -43,7 +43,7 @@ fn download_no_object(bench: &mut Bench<'_>) -> Judged {
     bench.expect_tidy()
 }
 
-/// Writing an object that can only be read is refused with abort 0601 0002h, and it keeps its value.
+/// Writing a read-only object is refused with abort 0601 0002h, and the object keeps its value.
 #[case(id = "301/sdo/download/read-only", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Must,
        catches = [SdoReadOnlyWritable, SdoReadOnlyWrongCode], cct = "2.3")]
 fn read_only(bench: &mut Bench<'_>) -> Judged {
@@ -60,7 +60,7 @@ fn read_only(bench: &mut Bench<'_>) -> Judged {
     bench.expect_tidy()
 }
 
-/// Writing more bytes than an object has is refused with abort 0607 0012h, and it keeps its value.
+/// Writing more bytes than an object has is refused with abort 0607 0012h, and the object keeps its value.
 #[case(id = "301/sdo/download/too-long", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Must,
        needs = [ScratchObject], catches = [SdoLengthUnchecked, SdoLengthWrongCode], cct = "2.8")]
 fn too_long(bench: &mut Bench<'_>) -> Judged {
@@ -72,7 +72,7 @@ fn too_long(bench: &mut Bench<'_>) -> Judged {
     bench.expect_unchanged(scratch.multiplexer, &scratch.value)
 }
 
-/// Writing fewer bytes than an object has is refused with abort 0607 0013h, and it keeps its value.
+/// Writing fewer bytes than an object has is refused with abort 0607 0013h, and the object keeps its value.
 #[case(id = "301/sdo/download/too-short", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Must,
        needs = [ScratchObject], catches = [SdoShortLengthUnchecked, SdoLengthWrongCode], cct = "2.9")]
 fn too_short(bench: &mut Bench<'_>) -> Judged {
@@ -83,8 +83,8 @@ fn too_short(bench: &mut Bench<'_>) -> Judged {
     bench.expect_unchanged(scratch.multiplexer, &scratch.value)
 }
 
-/// A value outside the limits that the description gives is refused, above the high limit with abort 0609 0031h or
-/// 0609 0030h, and the object keeps its value.
+/// Writing a value outside the limits of the description is refused, a value above the high limit with abort 0609 0031h
+/// or 0609 0030h, and the object keeps its value.
 #[case(id = "301/sdo/download/out-of-range", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Must,
        needs = [Description], catches = [SdoRangeUnchecked, SdoRangeWrongCode], cct = "2.10")]
 fn out_of_range(bench: &mut Bench<'_>) -> Judged {

@@ -68,14 +68,18 @@ fn made_good(bench: &mut Bench<'_>, mischief: Mischief, confirmed: &[u8]) -> Jud
     let manner = DownloadManner { mischief, ..DownloadManner::right(&value) };
     let (attempt, client) = bench.block_download(multiplexer, &value, manner)?;
     if client.block_size <= last {
-        let reason = Reason::new("the block takes all segments", "one more than before", client.block_size.to_string());
+        let reason = Reason::new(
+            "the block accepts all segments",
+            "one segment more than before",
+            client.block_size.to_string(),
+        );
         return Err(Stop::Inconclusive(reason));
     }
     attempt.expect_confirmation()?;
     let first = client.confirmations.first().copied().unwrap_or_default();
     bench.check(demand(confirmed.contains(&first), || {
         let expected = confirmed.iter().map(|&segment| Observation::Number(u64::from(segment))).collect();
-        Breach::new(multiplexer, "the server confirms the last segment that came in order")
+        Breach::new(multiplexer, "the server confirms the last segment that arrived in order")
             .expected(Allowed::OneOf(expected))
             .found(Observation::Number(u64::from(first)))
             .told(format!("segment {first}"))
@@ -95,7 +99,7 @@ fn taken(bench: &mut Bench<'_>, manner: fn(&[u8]) -> DownloadManner) -> Judged {
     })
 }
 
-/// A block download without CRC is taken, and the value can be read back.
+/// The server accepts a block download without CRC, and the value can be read back.
 #[case(id = "301/sdo/block-download/complete", clause = "CiA 301 7.2.4.3.9", confidence = Cited, level = Must,
        needs = [BlockDownload], cct = "2.21",
        catches = [SdoBlockPaddingKept, SdoBlockEndSilent, SdoBlockSizeZeroOffered, SdoBlockCountOffByOne])]
@@ -103,7 +107,8 @@ fn complete(bench: &mut Bench<'_>) -> Judged {
     taken(bench, |value| DownloadManner { crc: false, ..DownloadManner::right(value) })
 }
 
-/// A block download without CRC is taken after one that had a CRC: each transfer says anew whether it has one.
+/// The server accepts a block download without CRC after a block download with CRC: each transfer states whether it has
+/// a CRC.
 #[case(id = "301/sdo/block-download/crc-not-kept", clause = "CiA 301 7.2.4.3.9", confidence = Cited, level = Must,
        needs = [BlockDownload], catches = [SdoBlockCrcKept])]
 fn crc_not_kept(bench: &mut Bench<'_>) -> Judged {
@@ -119,14 +124,14 @@ fn crc_not_kept(bench: &mut Bench<'_>) -> Judged {
     has_value(bench, scratch.multiplexer, &scratch.other)
 }
 
-/// A block download with the right CRC is taken, and the value can be read back.
+/// The server accepts a block download with the correct CRC, and the value can be read back.
 #[case(id = "301/sdo/block-download/crc", clause = "CiA 301 7.2.4.3.16", confidence = Cited, level = Must,
        needs = [BlockDownload], catches = [SdoBlockPaddingKept, SdoBlockEndSilent], cct = "2.25")]
 fn crc(bench: &mut Bench<'_>) -> Judged {
     taken(bench, DownloadManner::right)
 }
 
-/// A block download whose size is not announced is taken.
+/// The server accepts a block download that does not announce its size.
 #[case(id = "301/sdo/block-download/size-not-announced", clause = "CiA 301 7.2.4.3.9", confidence = Cited,
        level = Should, needs = [BlockDownload], catches = [SdoBlockPaddingKept])]
 fn size_not_announced(bench: &mut Bench<'_>) -> Judged {
@@ -178,7 +183,8 @@ fn too_many_bytes(bench: &mut Bench<'_>) -> Judged {
     bench.expect_tidy()
 }
 
-/// A size that the object can't have is refused with abort 0607 0012h, with the announcement or at the end.
+/// A block download that announces a size that the object can't have is refused with abort 0607 0012h, at its start or
+/// at its end.
 #[case(id = "301/sdo/block-download/announced-size-wrong", clause = "CiA 301 7.2.4.3.9", confidence = Cited,
        level = Should, needs = [BlockDownload], catches = [SdoLengthWrongCode])]
 fn announced_size_wrong(bench: &mut Bench<'_>) -> Judged {
@@ -191,15 +197,16 @@ fn announced_size_wrong(bench: &mut Bench<'_>) -> Judged {
     bench.expect_tidy()
 }
 
-/// When a segment of a block is lost, the one before it is confirmed, and the rest is taken when it comes again.
+/// When a segment of a block is lost, the server confirms the segment before it, and accepts the remaining segments
+/// when they are repeated.
 #[case(id = "301/sdo/block-download/segment-lost", clause = "CiA 301 7.2.4.3.10", confidence = Cited, level = Must,
        needs = [BlockDownload, LongScratch], catches = [SdoBlockGapAccepted])]
 fn segment_lost(bench: &mut Bench<'_>) -> Judged {
     made_good(bench, Mischief::Skip(2), &[1])
 }
 
-/// A segment that comes twice is taken once. A server that refuses it as out of sequence, with abort 0504 0003h, keeps
-/// the old value.
+/// The server writes the data of a repeated segment once. A server that refuses the segment as out of sequence with
+/// abort 0504 0003h keeps the old value.
 #[case(id = "301/sdo/block-download/segment-repeated", clause = "CiA 301 7.2.4.3.10", confidence = Cited, level = Must,
        needs = [BlockDownload, LongScratch], catches = [SdoBlockRepeatedAppended])]
 fn segment_repeated(bench: &mut Bench<'_>) -> Judged {
@@ -215,7 +222,8 @@ fn segment_repeated(bench: &mut Bench<'_>) -> Judged {
     made_good(bench, Mischief::Repeat(2), &[2, 0])
 }
 
-/// When two segments have changed places, the last one in order is confirmed, and the rest is taken when it comes again.
+/// When two segments arrive in the wrong order, the server confirms the last segment in order, and accepts the
+/// remaining segments when they are repeated.
 #[case(id = "301/sdo/block-download/segments-swapped", clause = "CiA 301 7.2.4.3.10", confidence = Cited, level = Must,
        needs = [BlockDownload, LongScratch], catches = [SdoBlockGapAccepted])]
 fn segments_swapped(bench: &mut Bench<'_>) -> Judged {
@@ -240,8 +248,9 @@ fn sequence_zero(bench: &mut Bench<'_>) -> Judged {
     bench.check(attempt.refused(Situation::SequenceNumber))
 }
 
-/// When the client falls silent in a block download, the next request is served, and the object keeps its value. What the
-/// server does then is left open: no time-out is named, and a request may be taken for a segment.
+/// When the client stops sending during a block download, the server answers the next request, and the object keeps its
+/// value. The standard leaves the behaviour open: it defines no timeout, and the server may take a request for a
+/// segment.
 #[case(id = "301/sdo/block-download/silent-client", clause = "CiA 301 7.2.4.3.8", confidence = Cited, level = Open,
        needs = [BlockDownload], catches = [SdoTimeoutWedges])]
 fn silent_client(bench: &mut Bench<'_>) -> Judged {
@@ -251,8 +260,8 @@ fn silent_client(bench: &mut Bench<'_>) -> Judged {
     interrupted(bench, &scratch, "after an unfinished block download")
 }
 
-/// A request between the data of a block download and its end is served, and the object keeps its value. What the server
-/// does then is left open: only an abort and the end are named.
+/// The server answers a request that arrives between the data of a block download and its end, and the object keeps its
+/// value. The standard leaves the behaviour open: it defines only an abort and the end of the download there.
 #[case(id = "301/sdo/block-download/abandoned", clause = "CiA 301 7.2.4.3.8", confidence = Cited, level = Open,
        needs = [BlockDownload], catches = [SdoBusyAfterAbandonedBlock])]
 fn abandoned(bench: &mut Bench<'_>) -> Judged {
@@ -300,8 +309,8 @@ fn interrupted(bench: &mut Bench<'_>, scratch: &Scratch, circumstance: &str) -> 
     bench.expect_unchanged(scratch.multiplexer, &scratch.value)
 }
 
-/// A block download to an object that can only be read is refused with abort 0601 0002h, at once or with its end, and the
-/// object keeps its value.
+/// A block download to a read-only object is refused with abort 0601 0002h, at its start or at its end, and the object
+/// keeps its value.
 #[case(id = "301/sdo/block-download/read-only", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Must,
        needs = [BlockDownload], catches = [SdoBlockReadOnlyAccepted, SdoReadOnlyWrongCode])]
 fn read_only(bench: &mut Bench<'_>) -> Judged {
@@ -313,8 +322,8 @@ fn read_only(bench: &mut Bench<'_>) -> Judged {
     bench.expect_tidy()
 }
 
-/// A block download to an object that does not exist is refused with abort 0602 0000h, to a sub-index with 0609 0011h: at
-/// once or with its end.
+/// A block download to an object that does not exist is refused with abort 0602 0000h, to a sub-index that does not
+/// exist with abort 0609 0011h: at its start or at its end.
 #[case(id = "301/sdo/block-download/missing", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Must,
        needs = [BlockDownload], catches = [SdoWrongCodeForNoObject, SdoWrongCodeForNoSubIndex],
        answers = [MissingObject, MissingEntry])]
@@ -326,7 +335,7 @@ fn missing(bench: &mut Bench<'_>) -> Judged {
     bench.expect_tidy()
 }
 
-/// Strings whose length is around that of whole blocks are written and read back to the byte.
+/// Strings with lengths around whole blocks can be written by block download and read back byte for byte.
 #[case(id = "301/sdo/block-download/block-ends", clause = "CiA 301 7.2.4.3.9", confidence = Cited, level = Must,
        needs = [BlockDownload, LongScratch], catches = [SdoBlockPaddingKept, WatchdogResetUnderLoad])]
 fn block_ends(bench: &mut Bench<'_>) -> Judged {
@@ -342,8 +351,8 @@ fn block_ends(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// An abort of the client ends a block download wherever it stands: before the first segment, in a block, before the
-/// end. It is not answered, the object keeps its value, and the next transfer works.
+/// An abort of the client ends a block download in each phase: before the first segment, within a block, before the
+/// end. The server does not answer it, the object keeps its value, and the next transfer works.
 #[case(id = "301/sdo/block-download/client-abort", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Must,
        needs = [BlockDownload], catches = [SdoAbortAnswered, SdoBlockAbortIgnored])]
 fn client_abort(bench: &mut Bench<'_>) -> Judged {

@@ -43,7 +43,7 @@ fn gives(bench: &mut Bench<'_>, multiplexer: Multiplexer, right: &[u8], manner: 
     }
     let value = attempt.value()?;
     bench.check(demand(value == right, || {
-        let breach = Breach::new(multiplexer, "a block upload gives what a normal upload gives");
+        let breach = Breach::new(multiplexer, "a block upload returns the same value as a normal upload");
         breach.expected(Observation::Value(right.to_vec())).found(Observation::Value(value))
     }))?;
     bench.check(demand(may_switch || !client.switched, || {
@@ -81,8 +81,9 @@ fn begin(bench: &mut Bench<'_>, multiplexer: Multiplexer, block_size: u8) -> Res
     reply.expect("the start of a block upload", is_start).or_inconclusive()
 }
 
-/// A block upload without CRC delivers the value: segments numbered from 1, the last one marked, the unused bytes counted,
-/// the size as announced, the CRC 0. So it does with one of another object, with CRC, before it.
+/// A block upload without CRC returns the value: segments are numbered from 1, the last segment is marked, the number
+/// of unused bytes and the announced size are correct, and the CRC is 0. The same holds after a block upload of another
+/// object with CRC.
 #[case(id = "301/sdo/block-upload/complete", clause = "CiA 301 7.2.4.3.15", confidence = Cited, level = Must,
        needs = [BlockUpload], catches = [SdoBlockLastLengthWrong, SdoBlockAnnouncedSizeWrong, SdoBlockEndUnmarked,
                                           SdoBlockCrcUnasked],
@@ -93,15 +94,15 @@ fn complete(bench: &mut Bench<'_>) -> Judged {
     all_give(bench, &UploadManner { crc: false, ..UploadManner::default() })
 }
 
-/// With CRC the end of a block upload carries the CRC-16 of the data: polynomial 1021h, start value 0.
+/// The end of a block upload with CRC carries the CRC-16 of the data (polynomial 1021h, start value 0).
 #[case(id = "301/sdo/block-upload/crc", clause = "CiA 301 7.2.4.3.16", confidence = Cited, level = Must,
        needs = [BlockUpload], catches = [SdoBlockCrcStartWrong, SdoBlockCrcSwapped], cct = "2.23")]
 fn crc(bench: &mut Bench<'_>) -> Judged {
     all_give(bench, &UploadManner::default())
 }
 
-/// Strings of 1 to 8, of 13 to 15 and of 888 to 890 bytes are read in blocks to the byte: around the ends of segments and
-/// of the longest block.
+/// Block uploads return strings of 1 to 8, 13 to 15 and 888 to 890 bytes byte for byte; these lengths lie around the
+/// ends of segments and of the longest block.
 #[case(id = "301/sdo/block-upload/lengths", clause = "CiA 301 7.2.4.3.15", confidence = Cited, level = Must,
        needs = [BlockUpload, LongScratch], catches = [SdoBlockLastLengthWrong, SdoBlockCrcStartWrong,
                                                        SdoBlockSevenEndsEmpty])]
@@ -127,7 +128,8 @@ fn lengths(bench: &mut Bench<'_>) -> Judged {
     bench.expect_tidy()
 }
 
-/// Blocks have as many segments as the client asks for: one, two, then as many as it likes; each begins with number 1.
+/// Each block has the number of segments that the client requests (1, then 2, then 127), and begins with sequence
+/// number 1.
 #[case(id = "301/sdo/block-upload/block-size", clause = "CiA 301 7.2.4.3.14", confidence = Cited, level = Must,
        needs = [BlockUpload], catches = [SdoBlockNewSizeIgnored, SdoBlockNumbersContinue])]
 fn block_size(bench: &mut Bench<'_>) -> Judged {
@@ -151,7 +153,7 @@ fn wrong_block_size(bench: &mut Bench<'_>) -> Judged {
     bench.expect_tidy()
 }
 
-/// A confirmation that asks for blocks of 0 or more than 127 segments is refused with abort 0504 0002h.
+/// A confirmation that requests blocks of 0 or more than 127 segments is refused with abort 0504 0002h.
 #[case(id = "301/sdo/block-upload/wrong-next-size", clause = "CiA 301 7.2.4.3.14", confidence = Cited, level = Should,
        needs = [BlockUpload], catches = [SdoBlockSizeUnchecked, SdoBlockSizeWrongCode])]
 fn wrong_next_size(bench: &mut Bench<'_>) -> Judged {
@@ -165,14 +167,15 @@ fn wrong_next_size(bench: &mut Bench<'_>) -> Judged {
     bench.expect_tidy()
 }
 
-/// A block of which nothing is confirmed comes again.
+/// The server repeats a block of which the client confirms no segment.
 #[case(id = "301/sdo/block-upload/all-lost", clause = "CiA 301 7.2.4.3.14", confidence = Cited, level = Must,
        needs = [BlockUpload], catches = [SdoBlockConfirmationIgnored])]
 fn all_lost(bench: &mut Bench<'_>) -> Judged {
     same_value(bench, UploadManner { block_sizes: vec![2], lose_after: Some((0, 0)), ..UploadManner::default() })
 }
 
-/// After a segment that is not confirmed the next block begins with it, not with the block's first.
+/// When the client does not confirm all segments of a block, the next block begins with the first segment that was not
+/// confirmed.
 #[case(id = "301/sdo/block-upload/part-lost", clause = "CiA 301 7.2.4.1", confidence = Cited, level = Must,
        needs = [BlockUpload], catches = [SdoBlockRepeatsAll, SdoBlockConfirmationIgnored])]
 fn part_lost(bench: &mut Bench<'_>) -> Judged {
@@ -191,7 +194,8 @@ fn too_much_confirmed(bench: &mut Bench<'_>) -> Judged {
     bench.expect_tidy()
 }
 
-/// A value that is shorter than the protocol switch threshold comes by a block upload or by a normal one, and is the same.
+/// The server returns a value that is shorter than the protocol switch threshold by a block upload or by a normal
+/// upload, with the same result.
 #[case(id = "301/sdo/block-upload/switch", clause = "CiA 301 7.2.4.3.13", confidence = Cited, level = Must,
        needs = [BlockUpload], catches = [SdoBlockSwitchTruncates])]
 fn switch(bench: &mut Bench<'_>) -> Judged {
@@ -200,7 +204,8 @@ fn switch(bench: &mut Bench<'_>) -> Judged {
     let (attempt, client) = bench.block_upload(multiplexer, manner)?;
     let value = attempt.value()?;
     bench.check(demand(value == right, || {
-        let breach = Breach::new(multiplexer, "a block upload gives the value, whether it becomes a normal one or not");
+        let breach =
+            Breach::new(multiplexer, "a block upload returns the value, whether it switches to a normal upload or not");
         breach.expected(Observation::Value(right)).found(Observation::Value(value))
     }))?;
     bench.note(match client.switched {
@@ -210,8 +215,8 @@ fn switch(bench: &mut Bench<'_>) -> Judged {
     bench.expect_tidy()
 }
 
-/// A client that does not confirm the end of a block upload begins the next transfer. What the server does then is left
-/// open: only the confirmation and an abort end the service.
+/// The server answers a new transfer when the client has not confirmed the end of a block upload. The standard leaves
+/// the behaviour open: only the confirmation and an abort end the service.
 #[case(id = "301/sdo/block-upload/end-missing", clause = "CiA 301 7.2.4.3.12", confidence = Cited, level = Open,
        needs = [BlockUpload], catches = [SdoBusyAfterAbandonedBlock])]
 fn end_missing(bench: &mut Bench<'_>) -> Judged {
@@ -228,8 +233,8 @@ fn end_missing(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// A new request in the middle of a block upload is served. What the server does then is left open: only the last segment
-/// and an abort end the sequence.
+/// The server answers a new request during a block upload. The standard leaves the behaviour open: only the last
+/// segment and an abort end the sequence.
 #[case(id = "301/sdo/block-upload/restart", clause = "CiA 301 7.2.4.3.12", confidence = Cited, level = Open,
        needs = [BlockUpload], catches = [SdoBusyAfterAbandonedBlock])]
 fn restart(bench: &mut Bench<'_>) -> Judged {
@@ -248,7 +253,7 @@ fn give_up(bench: &mut Bench<'_>, multiplexer: Multiplexer) -> Judged {
     bench.listen(bench.timing().reaction).map(|_| ())
 }
 
-/// An abort of the client in any phase of a block upload is not answered and ends it.
+/// An abort of the client ends a block upload in each phase, and the server does not answer it.
 #[case(id = "301/sdo/block-upload/client-abort", clause = "CiA 301 7.2.4.3.12", confidence = Cited, level = Must,
        needs = [BlockUpload], catches = [SdoAbortAnswered])]
 fn client_abort(bench: &mut Bench<'_>) -> Judged {
@@ -265,7 +270,8 @@ fn client_abort(bench: &mut Bench<'_>) -> Judged {
     bench.expect_tidy()
 }
 
-/// A block upload of an object that does not exist is refused with abort 0602 0000h, of a sub-index with 0609 0011h.
+/// A block upload of an object that does not exist is refused with abort 0602 0000h, of a sub-index that does not exist
+/// with abort 0609 0011h.
 #[case(id = "301/sdo/block-upload/missing", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Must,
        needs = [BlockUpload], catches = [SdoWrongCodeForNoObject, SdoWrongCodeForNoSubIndex],
        answers = [MissingObject, MissingEntry])]

@@ -101,7 +101,7 @@ pub(super) fn finish_upload(
         toggle = !toggle;
     }
     bench.check(demand(data == right, || {
-        Breach::new(multiplexer, "the segments of an upload give the whole value, each byte once")
+        Breach::new(multiplexer, "the segments of an upload contain the whole value, each byte once")
             .expected(Observation::Value(right.to_vec()))
             .found(Observation::Value(data))
     }))

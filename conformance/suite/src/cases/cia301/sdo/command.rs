@@ -16,7 +16,8 @@ use canvass_bus::observation::Observation;
 /// Command specifier 7, which CiA 301 does not define, followed by an object as in an initiate message.
 const UNKNOWN: Request = Request::Unknown { command: 0xE0, tail: [0x18, 0x10, 1, 0, 0, 0, 0] };
 
-/// An unknown command specifier is answered with abort 0504 0001h, which does not name the object of an earlier request.
+/// An unknown command specifier is answered with abort 0504 0001h, which does not name the object of an earlier
+/// request.
 #[case(id = "301/sdo/command/unknown", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Should,
        catches = [SdoUnknownCommandSilent, SdoCommandWrongCode, SdoStaleMultiplexer], cct = "2.7")]
 fn unknown(bench: &mut Bench<'_>) -> Judged {
@@ -43,10 +44,10 @@ fn names_no_earlier(reply: &Reply, earlier: Multiplexer) -> Check {
     })
 }
 
-/// An unknown command specifier as the first request after boot-up is answered with abort 0504 0001h, and the server
-/// works on.
+/// An unknown command specifier in the first request after boot-up is answered with abort 0504 0001h, and the server
+/// still works.
 ///
-/// Servers that keep the object of the last transfer have none yet: some fall silent for good.
+/// Some servers keep the object of the last transfer and have none yet; a few of them never answer again.
 #[case(id = "301/sdo/command/unknown-first", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Should,
        catches = [SdoFirstUnknownCommandSilent, SdoUnknownCommandSilent])]
 fn unknown_first(bench: &mut Bench<'_>) -> Judged {
@@ -57,7 +58,7 @@ fn unknown_first(bench: &mut Bench<'_>) -> Judged {
     bench.expect_tidy()
 }
 
-/// Segments without a transfer, of a download as of an upload, are answered with abort 0504 0001h.
+/// Download and upload segments without a transfer are answered with abort 0504 0001h.
 #[case(id = "301/sdo/command/segment-without-transfer", clause = "CiA 301 7.2.4.3.17", confidence = Cited,
        level = Should, catches = [SdoStraySegmentSilent, SdoRefusedSegmentServed])]
 fn segment_without_transfer(bench: &mut Bench<'_>) -> Judged {
@@ -77,7 +78,8 @@ fn segment_without_transfer(bench: &mut Bench<'_>) -> Judged {
     bench.expect_tidy()
 }
 
-/// An abort of the client is not answered, neither without a transfer nor during one: the service is unconfirmed.
+/// The server does not answer an abort of the client, with or without a transfer in progress: the service is
+/// unconfirmed.
 #[case(id = "301/sdo/abort/unanswered", clause = "CiA 301 7.2.4.3.1", confidence = Cited, level = Must,
        catches = [SdoAbortAnswered])]
 fn unanswered(bench: &mut Bench<'_>) -> Judged {
@@ -94,7 +96,7 @@ fn unanswered(bench: &mut Bench<'_>) -> Judged {
     bench.expect_tidy()
 }
 
-/// The abort that refuses a request names the object of that request, not that of an earlier one.
+/// The abort that refuses a request names the object of that request, not the object of an earlier one.
 #[case(id = "301/sdo/abort/multiplexer", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Must,
        catches = [SdoStaleMultiplexer, SdoAbortMultiplexerZero])]
 fn multiplexer(bench: &mut Bench<'_>) -> Judged {
@@ -113,7 +115,8 @@ fn multiplexer(bench: &mut Bench<'_>) -> Judged {
     bench.expect_tidy()
 }
 
-/// A new request ends the transfer under way, and is served; so is a new upload of the first object, from its beginning.
+/// A new request ends the transfer in progress, and the server answers it. A new upload of the first object begins at
+/// its first byte.
 #[case(id = "301/sdo/transfer/restart", clause = "CiA 301 7.2.4.3.5", confidence = Cited, level = Must,
        needs = [SegmentedUpload], catches = [SdoBusyAfterAbandonedTransfer])]
 fn restart(bench: &mut Bench<'_>) -> Judged {
@@ -124,7 +127,7 @@ fn restart(bench: &mut Bench<'_>) -> Judged {
     bench.each([served], |_, served| served)?;
     begin_upload(bench, name)?;
     bench.exchange(&Request::UploadSegment { toggle: false }, "request for the first segment")?;
-    bench.expect_value(name, &right, "an upload that begins again from the start gives the whole value")?;
+    bench.expect_value(name, &right, "an upload that starts again returns the whole value")?;
     bench.expect_tidy()
 }
 

@@ -50,7 +50,7 @@ fn is_plain(entry: &Entry) -> bool {
     !entry.flags.refuses_write_on_download() && entry.access.is_writable() && entry.access.is_readable()
 }
 
-/// Every object that the description calls constant or read-only refuses to be written with abort 0601 0002h.
+/// Every object that the description calls constant or read-only refuses a write with abort 0601 0002h.
 #[case(id = "301/sdo/download/every-read-only", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Must,
        needs = [Description], catches = [SdoReadOnlyWritable, SdoReadOnlyWrongCode, HeartbeatConsumerNotStopped, PositionWritable, EdsSubIndexMissing], cct = "4.3")]
 fn every_read_only(bench: &mut Bench<'_>) -> Judged {
@@ -66,7 +66,7 @@ fn every_read_only(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// Every object that the description calls write-only refuses to be read with abort 0601 0001h.
+/// Every object that the description calls write-only refuses a read with abort 0601 0001h.
 #[case(id = "301/sdo/upload/write-only", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Must,
        needs = [Description], catches = [SdoWriteOnlyWrongCode], cct = "4.4")]
 fn write_only(bench: &mut Bench<'_>) -> Judged {
@@ -77,14 +77,14 @@ fn write_only(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// Every writable object refuses values of more bytes than its data type has with abort 0607 0012h.
+/// Every writable object refuses a value with more bytes than its data type with abort 0607 0012h.
 #[case(id = "301/sdo/download/every-too-long", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Must,
        needs = [Description], catches = [SdoLengthUnchecked, SdoLengthWrongCode], cct = "2.8")]
 fn every_too_long(bench: &mut Bench<'_>) -> Judged {
     every_length(bench, 1..=2, |length| length + 1, Situation::TooLong)
 }
 
-/// Every writable object refuses values of fewer bytes than its data type has with abort 0607 0013h.
+/// Every writable object refuses a value with fewer bytes than its data type with abort 0607 0013h.
 #[case(id = "301/sdo/download/every-too-short", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Must,
        needs = [Description], catches = [SdoShortLengthUnchecked, SdoLengthWrongCode, HeartbeatConsumerNotStopped, SyncNotStopped, EdsDataTypeWrong], cct = "2.9")]
 fn every_too_short(bench: &mut Bench<'_>) -> Judged {
@@ -130,8 +130,8 @@ fn below(bench: &Bench<'_>, entry: &Entry) -> Option<Vec<u8>> {
     value.encode(entry.data_type).ok().filter(|bytes| bytes.len() == length)
 }
 
-/// A value below the low limit that the description gives is refused with abort 0609 0032h or 0609 0030h,
-/// and the object keeps its value.
+/// Writing a value below the low limit of the description is refused with abort 0609 0032h or 0609 0030h, and the
+/// object keeps its value.
 #[case(id = "301/sdo/download/below-range", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Must,
        needs = [Description], catches = [SdoRangeUnchecked, SdoRangeWrongCode], cct = "2.11")]
 fn below_range(bench: &mut Bench<'_>) -> Judged {

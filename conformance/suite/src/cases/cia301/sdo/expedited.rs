@@ -21,8 +21,8 @@ const SHORT: [(Multiplexer, usize); 4] = [
     (Multiplexer::new(object::IDENTITY, 1), 4),
 ];
 
-/// Objects of up to four bytes are read in one message, whose command byte says how many bytes count: 4Fh, 4Bh, 47h or
-/// 43h; or 42h, which leaves it to the type of the object.
+/// Objects of up to four bytes are read in one response. Its command byte gives the number of valid bytes (4Fh, 4Bh,
+/// 47h or 43h), or leaves the number to the data type of the object (42h).
 #[case(id = "301/sdo/upload/expedited", clause = "CiA 301 7.2.4.3.6", confidence = Cited, level = Must,
        catches = [SdoShortResponse], cct = "2.1")]
 fn upload(bench: &mut Bench<'_>) -> Judged {
@@ -70,8 +70,8 @@ fn is_expedited(multiplexer: Multiplexer, outcome: &Outcome, first: Option<Frame
     })
 }
 
-/// The bytes of an upload's answers that hold no data are 0. The standard says only that they hold none; what is in them
-/// may be left over from something else.
+/// Bytes of an upload response that hold no data are 0. The standard says only that they contain no data, so a server
+/// may leave old values in them.
 #[case(id = "301/sdo/upload/padding", clause = "CiA 301 7.2.4.3.6", confidence = Cited, level = Open,
        catches = [SdoUnusedBytesNotZero])]
 fn padding(bench: &mut Bench<'_>) -> Judged {
@@ -86,15 +86,15 @@ fn padding(bench: &mut Bench<'_>) -> Judged {
         });
         bench.check(demand(dirty.is_none(), || {
             let told = dirty.map(|frame| Bytes(frame.data()).to_string()).unwrap_or_default();
-            let breach = Breach::new(multiplexer, "bytes that hold no data are 0").expected("00h in them");
+            let breach = Breach::new(multiplexer, "bytes that hold no data are 0").expected("00h in these bytes");
             breach.found(Observation::named("bytes without data are not 0")).told(told)
         }))
     })?;
     tried(read, "an object that can be read")
 }
 
-/// A download with the exact length is confirmed by 60h with the same index and sub-index, and the value can be read
-/// back.
+/// An expedited download with the correct length is confirmed by 60h with the same index and sub-index, and the value
+/// can be read back.
 #[case(id = "301/sdo/download/expedited", clause = "CiA 301 7.2.4.3.3", confidence = Cited, level = Must,
        needs = [ScratchObject], catches = [SdoUnusedBytesNotZero, SdoShortResponse, ErrorBehaviourAlwaysLeaves], cct = "2.2")]
 fn download(bench: &mut Bench<'_>) -> Judged {
@@ -107,8 +107,8 @@ fn download(bench: &mut Bench<'_>) -> Judged {
     bench.expect_tidy()
 }
 
-/// A download that does not say how many of its four bytes count (command byte 22h) is taken with the object's own
-/// length, or refused because of its length.
+/// An expedited download that does not indicate its number of valid bytes (command byte 22h) is accepted with the
+/// length of the object, or refused because of its length.
 #[case(id = "301/sdo/download/size-not-indicated", clause = "CiA 301 7.2.4.3.3", confidence = Cited, level = Should,
        needs = [ScratchObject], catches = [SdoUnsizedDownloadSilent])]
 fn size_not_indicated(bench: &mut Bench<'_>) -> Judged {
@@ -118,9 +118,13 @@ fn size_not_indicated(bench: &mut Bench<'_>) -> Judged {
     bytes.iter_mut().zip(&scratch.other).for_each(|(to, from)| *to = *from);
     let multiplexer = scratch.multiplexer;
     let request = Request::InitiateDownload { multiplexer, payload: Payload::ExpeditedUnsized(bytes) };
-    let reply = bench.exchange(&request, format!("download of no stated length to {multiplexer}"))?;
+    let reply = bench.exchange(&request, format!("download without stated length to {multiplexer}"))?;
     if reply.response == Some(Response::InitiateDownload { multiplexer }) {
-        return bench.expect_value(multiplexer, &scratch.other, format!("{multiplexer} takes as many bytes as it has"));
+        return bench.expect_value(
+            multiplexer,
+            &scratch.other,
+            format!("{multiplexer} accepts a value of its own length"),
+        );
     }
     bench.check(reply.refused(Situation::TooLong))?;
     bench.expect_unchanged(multiplexer, &scratch.value)

@@ -31,7 +31,7 @@ fn unanswered(answer: Option<Frame>, duty: &'static str) -> Check {
     Err(Box::new(breach.told(answer.to_string())))
 }
 
-/// A remote frame with the CAN-ID of SDO requests is no request: it is not answered.
+/// The server does not answer a remote frame with the CAN-ID of SDO requests: it is no request.
 #[case(id = "301/sdo/frame/remote", clause = "CiA 301 7.2.4.3", confidence = Known, level = Should,
        catches = [SdoRemoteAnswered])]
 fn remote(bench: &mut Bench<'_>) -> Judged {
@@ -41,7 +41,7 @@ fn remote(bench: &mut Bench<'_>) -> Judged {
     bench.expect_served("after a remote frame")
 }
 
-/// A 29-bit frame whose identifier ends like the CAN-ID of SDO requests is no request: it is not answered.
+/// The server does not answer a 29-bit frame whose lower 11 bits are the CAN-ID of SDO requests: it is no request.
 #[case(id = "301/sdo/frame/extended", clause = "CiA 301 7.3.3", confidence = Cited, level = Must,
        catches = [SdoExtendedAnswered, ExtendedFrameObeyed])]
 fn extended(bench: &mut Bench<'_>) -> Judged {
@@ -52,10 +52,10 @@ fn extended(bench: &mut Bench<'_>) -> Judged {
     bench.expect_served("after a 29-bit frame")
 }
 
-/// Requests of fewer than eight bytes do no harm: the server answers the next right one.
+/// The server answers the next correct request after a request of fewer than eight bytes.
 ///
-/// What is to happen to the short ones themselves is not said: CANopenNode ignores them, lely-core refuses them,
-/// others serve those that are long enough. What this device does is noted.
+/// The standard does not define the handling of a short request: CANopenNode ignores it, lely-core refuses it, other
+/// stacks execute it if it is long enough. The case notes the behaviour of the device.
 #[case(id = "301/sdo/frame/short", clause = "CiA 301 7.2.4.3", confidence = Known, level = Should,
        catches = [SdoShortRequestWedges])]
 fn short(bench: &mut Bench<'_>) -> Judged {
@@ -76,16 +76,16 @@ fn short(bench: &mut Bench<'_>) -> Judged {
     Ok(())
 }
 
-/// A request to another node's SDO server is not answered.
+/// The server does not answer a request to the SDO server of another node.
 #[case(id = "301/sdo/frame/other-node", clause = "CiA 301 7.3.3", confidence = Cited, level = Must,
        catches = [SdoOtherNodeAnswered])]
 fn other_node(bench: &mut Bench<'_>) -> Judged {
     let Some(other) = bench.vacant_neighbour() else {
-        let reason = Reason::new("a node-ID beside that of the device is free", "one", "none");
+        let reason = Reason::new("a node-ID next to that of the device is free", "one", "none");
         return Err(Stop::NotApplicable(reason));
     };
     // Silence proves something only if the server is present.
-    tried(usize::from(bench.answers()?), "an answer to a request of its own")?;
+    tried(usize::from(bench.answers()?), "an answer to its own request")?;
     let request = Request::upload(DEVICE_TYPE).to_frame(sdo::REQUEST_BASE + u16::from(other));
     let both = [sdo::RESPONSE_BASE + u16::from(other), sdo::RESPONSE_BASE + u16::from(bench.node().raw())];
     bench.drain()?;

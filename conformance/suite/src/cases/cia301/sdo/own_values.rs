@@ -82,11 +82,12 @@ fn rewrite(bench: &mut Bench<'_>, at: Multiplexer) -> Judged {
     if is_of_the_moment(&attempt) || attempt.abort().is_some() && is_in_use(bench, at, number(&value))? {
         return Ok(());
     }
-    bench.check(attempt.under("with the value that it has").refused(Situation::Confirmed))
+    bench.check(attempt.under("with its current value").refused(Situation::Confirmed))
 }
 
-/// Every communication parameter that the description calls writable takes the value that it has, and a PDO can be switched
-/// off and on again. While a COB-ID is in use it may refuse that, and what belongs to it too.
+/// Every communication parameter that the description calls writable accepts its current value, and a PDO can be
+/// switched off and on again. While a COB-ID is in use, the device may refuse to write it and the parameters that
+/// belong to it.
 #[case(id = "301/sdo/download/own-value", clause = "CiA 301 7.4.5", confidence = Cited, level = Must,
        needs = [Description], catches = [SyncIdRefused, PdoOffRefused, ConsumerTimeRefused, SynchronousRpdoRefused,
                                            MappingProcedureRefused, SameCobIdRefused])]

@@ -8,8 +8,8 @@ use crate::verdict::{Breach, Judged, demand, observed};
 use canvass_analyzer::object;
 use canvass_analyzer::{Multiplexer, SubIndex};
 
-/// A download that is wrong in several ways is refused each time with the same abort, whichever of the reasons it names.
-/// Which one wins is noted.
+/// A download that is wrong for several reasons is refused with the same abort each time. The abort may name any of the
+/// reasons; the case notes which.
 #[case(id = "301/sdo/download/several-reasons", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Should,
        catches = [SdoRefusalAlternates, SdoReadOnlyWritable])]
 fn several_reasons(bench: &mut Bench<'_>) -> Judged {

@@ -10,8 +10,8 @@ use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object;
 use canvass_analyzer::wire::sdo::{AbortCode, Payload, Request, Response};
 
-/// A segmented download is confirmed message by message, also of an object of four bytes or fewer, and the value can be
-/// read back.
+/// The server confirms each message of a segmented download, also for an object of up to four bytes, and the value can
+/// be read back.
 #[case(id = "301/sdo/download/segmented", clause = "CiA 301 7.2.4.3.4", confidence = Cited, level = Must,
        needs = [ScratchObject, SegmentedDownload], catches = [SdoUnusedBytesNotZero, SdoShortResponse, SdoSegmentedShortRefused], cct = "2.14")]
 fn segmented(bench: &mut Bench<'_>) -> Judged {
@@ -23,7 +23,8 @@ fn segmented(bench: &mut Bench<'_>) -> Judged {
     bench.expect_tidy()
 }
 
-/// More bytes in the segments than were announced are refused with abort 0607 0012h, and the object keeps its value.
+/// A segmented download with more bytes than announced is refused with abort 0607 0012h, and the object keeps its
+/// value.
 #[case(id = "301/sdo/download/segments-too-long", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Must,
        needs = [ScratchObject, SegmentedDownload], catches = [SdoLengthUnchecked])]
 fn segments_too_long(bench: &mut Bench<'_>) -> Judged {
@@ -37,7 +38,8 @@ fn segments_too_long(bench: &mut Bench<'_>) -> Judged {
     bench.expect_unchanged(scratch.multiplexer, &scratch.value)
 }
 
-/// Fewer bytes in the segments than were announced are refused with abort 0607 0013h, and the object keeps its value.
+/// A segmented download with fewer bytes than announced is refused with abort 0607 0013h, and the object keeps its
+/// value.
 #[case(id = "301/sdo/download/segments-too-short", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Must,
        needs = [ScratchObject, SegmentedDownload], catches = [SdoShortLengthUnchecked])]
 fn segments_too_short(bench: &mut Bench<'_>) -> Judged {
@@ -50,7 +52,7 @@ fn segments_too_short(bench: &mut Bench<'_>) -> Judged {
     bench.expect_unchanged(scratch.multiplexer, &scratch.value)
 }
 
-/// An abort of the client in the middle of a download is not answered, and the object keeps its value.
+/// The server does not answer an abort of the client during a download, and the object keeps its value.
 #[case(id = "301/sdo/download/client-abort", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Must,
        needs = [ScratchObject, SegmentedDownload], catches = [SdoAbortAnswered, SdoSegmentsWrittenAtOnce])]
 fn client_abort(bench: &mut Bench<'_>) -> Judged {
@@ -63,7 +65,7 @@ fn client_abort(bench: &mut Bench<'_>) -> Judged {
     bench.expect_unchanged(scratch.multiplexer, &scratch.value)
 }
 
-/// The toggle bit of confirmed segments is that of the segment, which alternates from 0.
+/// The confirmation of a download segment has the toggle bit of the segment, which alternates beginning with 0.
 #[case(id = "301/sdo/download/confirmation-toggle", clause = "CiA 301 7.2.4.3.4", confidence = Cited, level = Must,
        needs = [ScratchObject, SegmentedDownload], catches = [SdoConfirmationToggleStuck])]
 fn confirmation_toggle(bench: &mut Bench<'_>) -> Judged {
@@ -76,12 +78,12 @@ fn confirmation_toggle(bench: &mut Bench<'_>) -> Judged {
         let reply = bench.exchange(&segment(toggle, &[*byte], n == last)?, what)?;
         reply.expect("a confirmation with the same toggle bit", |r| *r == Response::DownloadSegment { toggle })?;
     }
-    let duty = format!("{} has the value that came byte by byte", scratch.multiplexer);
+    let duty = format!("{} has the value that was sent byte by byte", scratch.multiplexer);
     bench.expect_value(scratch.multiplexer, &scratch.other, duty)?;
     bench.expect_tidy()
 }
 
-/// A segmented download that does not announce its size is taken; its length is checked at its end.
+/// The server accepts a segmented download that does not announce its size, and checks the length at its end.
 #[case(id = "301/sdo/download/size-not-announced", clause = "CiA 301 7.2.4.3.3", confidence = Cited, level = Should,
        needs = [ScratchObject, SegmentedDownload], catches = [SdoSegmentedSizeRequired])]
 fn size_not_announced(bench: &mut Bench<'_>) -> Judged {
@@ -89,15 +91,15 @@ fn size_not_announced(bench: &mut Bench<'_>) -> Judged {
     let multiplexer = scratch.multiplexer;
     bench.write(multiplexer, &scratch.value)?;
     let request = Request::InitiateDownload { multiplexer, payload: Payload::SegmentedUnsized };
-    let reply = bench.exchange(&request, format!("segmented download of no stated size to {multiplexer}"))?;
+    let reply = bench.exchange(&request, format!("segmented download without stated size to {multiplexer}"))?;
     reply.expect("confirmation", |response| *response == Response::InitiateDownload { multiplexer })?;
     let reply = bench.exchange(&segment(false, &scratch.other, true)?, "the only download segment")?;
     reply.expect("its confirmation", |response| *response == Response::DownloadSegment { toggle: false })?;
     bench.expect_value(multiplexer, &scratch.other, format!("{multiplexer} has the value that was written"))
 }
 
-/// A size that the object can't have is refused with abort 0607 0012h or 0607 0013h, with the announcement or at the end,
-/// and the object keeps its value.
+/// A segmented download that announces a size that the object can't have is refused with abort 0607 0012h or 0607
+/// 0013h, at its start or at its end, and the object keeps its value.
 #[case(id = "301/sdo/download/announced-size-wrong", clause = "CiA 301 7.2.4.3.17", confidence = Cited,
        level = Must, needs = [ScratchObject, SegmentedDownload], catches = [SdoLengthUnchecked, SdoLengthWrongCode])]
 fn announced_size_wrong(bench: &mut Bench<'_>) -> Judged {
@@ -111,7 +113,7 @@ fn announced_size_wrong(bench: &mut Bench<'_>) -> Judged {
     bench.expect_unchanged(multiplexer, &scratch.value)
 }
 
-/// A segment without data in the middle of a download is confirmed or refused, but answered.
+/// The server answers a segment without data in the middle of a download, by a confirmation or an abort.
 #[case(id = "301/sdo/download/empty-segment", clause = "CiA 301 7.2.4.3.4", confidence = Cited, level = Should,
        needs = [ScratchObject, SegmentedDownload], catches = [SdoEmptySegmentSilent])]
 fn empty_segment(bench: &mut Bench<'_>) -> Judged {
@@ -125,8 +127,8 @@ fn empty_segment(bench: &mut Bench<'_>) -> Judged {
     bench.expect_unchanged(scratch.multiplexer, &scratch.value)
 }
 
-/// A segmented download to an object that can only be read is refused with abort 0601 0002h, at once or with its last
-/// segment, and the object keeps its value.
+/// A segmented download to a read-only object is refused with abort 0601 0002h, at its start or with its last segment,
+/// and the object keeps its value.
 #[case(id = "301/sdo/download/segmented-read-only", clause = "CiA 301 7.2.4.3.17", confidence = Cited,
        level = Must, needs = [SegmentedDownload], catches = [SdoReadOnlySegmentedAccepted, SdoReadOnlyWrongCode])]
 fn segmented_read_only(bench: &mut Bench<'_>) -> Judged {
@@ -137,8 +139,8 @@ fn segmented_read_only(bench: &mut Bench<'_>) -> Judged {
     bench.expect_unchanged(multiplexer, &before)
 }
 
-/// A segmented download to an object or sub-index that does not exist is refused, at once or with its last segment, with
-/// abort 0602 0000h or 0609 0011h.
+/// A segmented download to an object or sub-index that does not exist is refused with abort 0602 0000h or 0609 0011h,
+/// at its start or with its last segment.
 #[case(id = "301/sdo/download/segmented-missing", clause = "CiA 301 7.2.4.3.17", confidence = Cited,
        level = Must, needs = [SegmentedDownload],
        catches = [SdoWrongCodeForNoObject, SdoWrongCodeForNoSubIndex, SdoNoObjectSilent],
@@ -151,7 +153,8 @@ fn segmented_missing(bench: &mut Bench<'_>) -> Judged {
     bench.expect_tidy()
 }
 
-/// Strings of 1 to 8 and of 13 to 15 bytes are written and read back to the byte: around the ends of segments.
+/// Strings of 1 to 8 and 13 to 15 bytes can be written by segmented download and read back byte for byte; these lengths
+/// lie around the ends of segments.
 #[case(id = "301/sdo/download/segment-ends", clause = "CiA 301 7.2.4.3.4", confidence = Cited, level = Must,
        needs = [LongScratch], catches = [SdoSegmentLengthWrong, SdoUploadEndMissing])]
 fn segment_ends(bench: &mut Bench<'_>) -> Judged {
@@ -167,7 +170,7 @@ fn segment_ends(bench: &mut Bench<'_>) -> Judged {
         attempt.expect_confirmation()?;
         bench.expect_value(multiplexer, &value, format!("{multiplexer} has the {length} bytes that were written"))
     })?;
-    tried(taken, "a length that the object takes")?;
+    tried(taken, "a length that the object accepts")?;
     bench.expect_tidy()
 }
 

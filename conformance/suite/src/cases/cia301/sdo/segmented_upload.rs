@@ -7,20 +7,20 @@ use crate::situation::Situation;
 use crate::verdict::{Judged, Precondition, Reason, Stop};
 use canvass_analyzer::wire::sdo::{AbortCode, Request};
 
-/// A segmented upload delivers as many bytes as announced, and toggle bits alternate from 0. A text gives the same value
-/// twice.
+/// A segmented upload returns the announced number of bytes, and its toggle bits alternate beginning with 0. A string
+/// returns the same value when it is read again.
 #[case(id = "301/sdo/upload/segmented", clause = "CiA 301 7.2.4.3.7", confidence = Cited, level = Must,
        needs = [SegmentedUpload], catches = [SdoSegmentLengthWrong, SdoShortResponse, SdoUploadToggleStuck, SdoUploadEndMissing, SdoAnnouncedSizeWrong], cct = "2.16")]
 fn segmented(bench: &mut Bench<'_>) -> Judged {
     let objects = bench.long_objects(5, 8)?;
     bench.each(objects, |bench, multiplexer| {
         let value = bench.upload(multiplexer)?.value()?;
-        bench.expect_value(multiplexer, &value, format!("{multiplexer} gives the same value once more"))
+        bench.expect_value(multiplexer, &value, format!("{multiplexer} returns the same value again"))
     })?;
     bench.expect_tidy()
 }
 
-/// After the last segment of an upload the transfer is over: a request for one more is refused with abort 0504 0001h.
+/// The last segment ends an upload: a request for one more segment is refused with abort 0504 0001h.
 #[case(id = "301/sdo/upload/over-after-end", clause = "CiA 301 7.2.4.3.5", confidence = Cited, level = Must,
        needs = [SegmentedUpload], catches = [SdoSegmentAfterEndAnswered, SdoCommandWrongCode])]
 fn over_after_end(bench: &mut Bench<'_>) -> Judged {
@@ -30,11 +30,11 @@ fn over_after_end(bench: &mut Bench<'_>) -> Judged {
     let toggle = value.len().div_ceil(7) % 2 == 1;
     let reply = bench.exchange(&Request::UploadSegment { toggle }, "request for a segment after the last one")?;
     bench.check(reply.refused(Situation::UnknownCommand))?;
-    bench.expect_value(multiplexer, &value, "a new upload gives the same value")?;
+    bench.expect_value(multiplexer, &value, "a new upload returns the same value")?;
     bench.expect_tidy()
 }
 
-/// An empty value is read by an announcement of 0 bytes and one empty segment, or refused with abort 0800 0024h.
+/// An empty value is read as an announcement of 0 bytes and one empty segment, or refused with abort 0800 0024h.
 #[case(id = "301/sdo/upload/empty", clause = "CiA 301 7.2.4.3.6", confidence = Cited, level = Should,
        needs = [EmptyValue], catches = [SdoEmptyValueSilent])]
 fn empty(bench: &mut Bench<'_>) -> Judged {

@@ -15,7 +15,7 @@ use canvass_traces::{Duration, Record, Timestamp};
 
 const ERROR_REGISTER: Multiplexer = Multiplexer::new(object::ERROR_REGISTER, 0);
 
-/// A download that is given up for another request ends; the request is served, and the object keeps its value.
+/// A new request ends a download in progress: the server answers the request, and the object keeps its value.
 #[case(id = "301/sdo/transfer/abandoned-download", clause = "CiA 301 7.2.4.3.2", confidence = Cited, level = Must,
        needs = [ScratchObject, SegmentedDownload], catches = [SdoBusyAfterAbandonedDownload, SdoSegmentsWrittenAtOnce])]
 fn abandoned_download(bench: &mut Bench<'_>) -> Judged {
@@ -29,9 +29,9 @@ fn abandoned_download(bench: &mut Bench<'_>) -> Judged {
     bench.expect_tidy()
 }
 
-/// Two requests without a pause between them: each answer belongs to one of them and names its object with its value.
+/// After two requests without a pause, each response belongs to one of them and carries its object and its value.
 ///
-/// A server may have room for one request only; the first or the second may then go unanswered.
+/// A server may have room for one request only, and may then leave the first or the second one unanswered.
 #[case(id = "301/sdo/transfer/back-to-back", clause = "CiA 301 7.2.4.3.6", confidence = Cited, level = Should,
        catches = [SdoBackToBackMixed])]
 fn back_to_back(bench: &mut Bench<'_>) -> Judged {
@@ -45,7 +45,7 @@ fn back_to_back(bench: &mut Bench<'_>) -> Judged {
     let response_id = response_id(bench);
     let answers: Vec<Record> = heard.into_iter().filter(|record| record.frame.cob_id() == Some(response_id)).collect();
     demand(!answers.is_empty(), || {
-        Breach::new(Service::Sdo, "of two requests back to back at least one is answered")
+        Breach::new(Service::Sdo, "at least one of two back-to-back requests is answered")
             .expected("one or two answers")
     })?;
     for answer in answers {
@@ -58,13 +58,16 @@ fn back_to_back(bench: &mut Bench<'_>) -> Judged {
             _ => false,
         };
         bench.check(demand(is_right, || {
-            Breach::new(Service::Sdo, "each answer to two requests back to back names one of them and has its value")
-                .expected("the object with its own value")
-                .found(Observation::named("an answer that belongs to neither of two requests"))
-                .told(answer.frame.to_string())
+            Breach::new(
+                Service::Sdo,
+                "each answer to two back-to-back requests names the object of one of them and has its value",
+            )
+            .expected("the object with its own value")
+            .found(Observation::named("an answer that belongs to neither of two requests"))
+            .told(answer.frame.to_string())
         }))?;
     }
-    bench.expect_served("after two requests back to back")
+    bench.expect_served("after two back-to-back requests")
 }
 
 /// The CAN-ID of the server's responses.
@@ -86,7 +89,7 @@ fn ends_transfer(bench: &mut Bench<'_>) -> Judged {
     bench.expect_tidy()
 }
 
-/// A command that has no place in an upload under way is refused with abort 0504 0001h, and the object keeps its value.
+/// A command that is not allowed during an upload is refused with abort 0504 0001h, and the object keeps its value.
 #[case(id = "301/sdo/command/wrong-in-upload", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Should,
        needs = [SegmentedUpload], catches = [SdoWrongCommandIgnored, SdoCommandWrongCode, SdoSegmentWrittenInUpload,
                                          SdoRefusedSegmentServed])]
@@ -98,11 +101,11 @@ fn wrong_in_upload(bench: &mut Bench<'_>) -> Judged {
     let reply = bench.exchange(&Request::DownloadSegment(segment), "download segment in the middle of an upload")?;
     bench.check(reply.refused(Situation::UnknownCommand))?;
     bench.expect_unchanged(name, &before)?;
-    bench.expect_served("after a command that had no place")?;
+    bench.expect_served("after a command that is not allowed in the transfer")?;
     bench.expect_tidy()
 }
 
-/// A command that has no place in a download under way is refused with abort 0504 0001h, and the object keeps its value.
+/// A command that is not allowed during a download is refused with abort 0504 0001h, and the object keeps its value.
 #[case(id = "301/sdo/command/wrong-in-download", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Should,
        needs = [ScratchObject, SegmentedDownload], catches = [SdoWrongCommandIgnored, SdoCommandWrongCode])]
 fn wrong_in_download(bench: &mut Bench<'_>) -> Judged {
@@ -114,17 +117,17 @@ fn wrong_in_download(bench: &mut Bench<'_>) -> Judged {
     bench.expect_unchanged(scratch.multiplexer, &scratch.value)
 }
 
-/// Commands of a block upload without one are refused with abort 0504 0001h.
+/// Commands of a block upload are refused with abort 0504 0001h when no block upload is in progress.
 #[case(id = "301/sdo/command/stray-block-upload", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Should,
        catches = [SdoStrayBlockSilent, SdoCommandWrongCode])]
 fn stray_block_upload(bench: &mut Bench<'_>) -> Judged {
     let strays = [
-        (Request::StartBlockUpload, "start of a block upload without one"),
+        (Request::StartBlockUpload, "start of the segments of a block upload without a block upload"),
         (
             Request::ConfirmBlockUpload { sequence: 1, block_size: 127 },
             "confirmation of a block without a block upload",
         ),
-        (Request::EndBlockUpload, "end of a block upload without one"),
+        (Request::EndBlockUpload, "end of a block upload without a block upload"),
     ];
     for (request, what) in strays {
         let answer = bench.exchange(&request, what)?;
@@ -134,12 +137,12 @@ fn stray_block_upload(bench: &mut Bench<'_>) -> Judged {
     bench.expect_tidy()
 }
 
-/// The end of a block download without one is refused with abort 0504 0001h.
+/// The end of a block download is refused with abort 0504 0001h when no block download is in progress.
 #[case(id = "301/sdo/command/stray-block-download", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Should,
        catches = [SdoStrayBlockSilent, SdoCommandWrongCode])]
 fn stray_block_download(bench: &mut Bench<'_>) -> Judged {
     let request = Request::EndBlockDownload { unused: 0, crc: 0 };
-    let reply = bench.exchange(&request, "end of a block download without one")?;
+    let reply = bench.exchange(&request, "end of a block download without a block download")?;
     bench.check(reply.refused(Situation::UnknownCommand))?;
     bench.expect_served("after block commands without a block transfer")?;
     bench.expect_tidy()
@@ -148,8 +151,8 @@ fn stray_block_download(bench: &mut Bench<'_>) -> Judged {
 /// Time for which the client stays silent; a server that supervises its transfers ends them in this time.
 const SILENCE: Duration = Duration::from_millis(3_000);
 
-/// After a client that does not go on with a segmented transfer the next request is served. A server that ends the
-/// transfer by itself says so with abort 0504 0000h.
+/// The server answers the next request after a client has stopped in the middle of a segmented transfer. A server that
+/// ends the transfer by itself reports it by abort 0504 0000h.
 #[case(id = "301/sdo/transfer/silent-client", clause = "CiA 301 7.2.4.3.5", confidence = Cited, level = Must,
        needs = [SegmentedUpload], catches = [SdoTimeoutWedges])]
 fn silent_client(bench: &mut Bench<'_>) -> Judged {
@@ -178,7 +181,8 @@ fn silent_client(bench: &mut Bench<'_>) -> Judged {
 /// Number of requests whose response time is measured.
 const REQUESTS: usize = 600;
 
-/// Of many requests in a row every one is answered in time. Median, 95th percentile and maximum are reported.
+/// The server answers each of many consecutive requests in time. The case reports median, 95th percentile and maximum
+/// of the response time.
 #[case(id = "301/sdo/timing/responses", clause = "CiA 301 7.2.4.3.1", confidence = Cited, level = Must,
        catches = [SdoResponseLost, SdoMemoryLeak, SdoResponseSlow])]
 fn responses(bench: &mut Bench<'_>) -> Judged {

@@ -21,19 +21,19 @@ const TO_SERVER: u32 = 0x6A0;
 const TO_CLIENT: u32 = 0x6A1;
 const INVALID: u32 = 1 << 31;
 
-/// 1200h names the CAN-IDs of the default SDO channel: 600h and 580h + node-ID.
+/// 1200h holds the CAN-IDs of the default SDO channel: 600h + node-ID and 580h + node-ID.
 #[case(id = "301/sdo/server/cob-ids", clause = "CiA 301 7.5.2.33", confidence = Cited, level = Must,
        needs = [ServerParameter], catches = [SdoServerIdWrong], cct = "2.12")]
 fn cob_ids(bench: &mut Bench<'_>) -> Judged {
     let node = u32::from(bench.node().raw());
     bench.each([(1, sdo::REQUEST_BASE), (2, sdo::RESPONSE_BASE)], |bench, (sub, base)| {
         let (multiplexer, right) = (Multiplexer::new(object::SDO_SERVER_PARAMETER, sub), u32::from(base) + node);
-        let duty = format!("{multiplexer} names the CAN-ID of the default channel");
+        let duty = format!("{multiplexer} holds the CAN-ID of the default channel");
         bench.expect_value(multiplexer, &right.to_le_bytes(), duty)
     })
 }
 
-/// The CAN-IDs of the default SDO channel can't be changed: any attempt is refused.
+/// The CAN-IDs of the default SDO channel can't be changed: the device refuses each write.
 #[case(id = "301/sdo/server/fixed", clause = "CiA 301 7.5.2.33", confidence = Cited, level = Must,
        needs = [ServerParameter], catches = [SdoReadOnlyWritable])]
 fn fixed(bench: &mut Bench<'_>) -> Judged {
@@ -83,7 +83,7 @@ fn ask_both(bench: &mut Bench<'_>, first: &Request, other: &Request) -> Result<[
     Ok(answers)
 }
 
-/// A second SDO channel works beside the first, also in the middle of a segmented transfer there.
+/// A second SDO channel works beside the first, even during a segmented transfer on the first.
 #[case(id = "301/sdo/second-server/parallel", clause = "CiA 301 7.2.4.3.5", confidence = Cited, level = Must,
        needs = [SecondServer, SegmentedUpload], catches = [SdoChannelsShareTransfer, RpdoKeepsCanId], cct = "2.28")]
 fn parallel(bench: &mut Bench<'_>) -> Judged {
@@ -102,13 +102,13 @@ fn parallel(bench: &mut Bench<'_>) -> Judged {
     }))?;
     bench.check(demand(matches!(first, Some(Response::UploadSegment(_))), || {
         let found = first.as_ref().map_or(Observation::Silence, observed_response);
-        let breach = Breach::new(name, "an upload on the first channel goes on beside a request on the second");
+        let breach = Breach::new(name, "an upload on the first channel continues beside a request on the second");
         breach.expected("an upload segment").found(found)
     }))?;
     close(bench)
 }
 
-/// Bits 0 to 29 of the COB-IDs of a second channel that is valid can't be changed: any attempt is refused.
+/// Bits 0 to 29 of the COB-IDs of a valid second SDO channel can't be changed: the device refuses each write.
 #[case(id = "301/sdo/second-server/valid", clause = "CiA 301 7.5.2.33", confidence = Cited, level = Must,
        needs = [SecondServer], catches = [SdoChannelIdChangeWhileValid])]
 fn valid(bench: &mut Bench<'_>) -> Judged {
@@ -120,7 +120,7 @@ fn valid(bench: &mut Bench<'_>) -> Judged {
     close(bench)
 }
 
-/// Restricted CAN-IDs are refused for a second channel.
+/// The device refuses restricted CAN-IDs for a second SDO channel.
 #[case(id = "301/sdo/second-server/restricted", clause = "CiA 301 7.3.5", confidence = Cited, level = Must,
        needs = [SecondServer], catches = [RestrictedCanIdAccepted], cct = "8.10")]
 fn restricted(bench: &mut Bench<'_>) -> Judged {
@@ -132,7 +132,7 @@ fn restricted(bench: &mut Bench<'_>) -> Judged {
     Ok(())
 }
 
-/// Reset communication closes a second channel that was not stored.
+/// Reset communication closes a second SDO channel that was not stored.
 #[case(id = "301/sdo/second-server/reset", clause = "CiA 301 7.5.2.33", confidence = Cited, level = Must,
        needs = [SecondServer], catches = [NmtResetCommunicationKeepsParameters], cct = "2.29")]
 fn reset(bench: &mut Bench<'_>) -> Judged {

@@ -18,14 +18,14 @@ use canvass_bus::observation::Observation;
 
 /// Requires that the rest of a download is accepted after an ignored segment, if its toggle bit is right.
 fn goes_on(bench: &mut Bench<'_>, scratch: &Scratch, toggle: bool, rest: &[u8]) -> Judged {
-    let reply = bench.exchange(&segment(toggle, rest, true)?, "segment with the right toggle bit after one without")?;
+    let reply = bench.exchange(&segment(toggle, rest, true)?, "segment with the right toggle bit after a wrong one")?;
     reply.expect("its confirmation", |response| *response == Response::DownloadSegment { toggle })?;
-    let duty = "a download goes on after a segment that is ignored";
+    let duty = "a download continues after a segment that is ignored";
     bench.expect_value(scratch.multiplexer, &scratch.other, duty)
 }
 
-/// The first download segment has toggle bit 0; one with 1 is ignored, or refused with abort 0503 0000h. The object keeps
-/// its value, and if the server did not abort, the transfer can go on.
+/// The first download segment has toggle bit 0. The server ignores a first segment with toggle bit 1, or refuses it with
+/// abort 0503 0000h; the object keeps its value, and if the server did not abort, the transfer can continue.
 #[case(id = "301/sdo/download/segment-toggle", clause = "CiA 301 7.2.4.3.4", confidence = Cited, level = Must,
        needs = [ScratchObject, SegmentedDownload], catches = [SdoToggleUnchecked, SdoToggleWrongCode])]
 fn segment_toggle(bench: &mut Bench<'_>) -> Judged {
@@ -40,8 +40,8 @@ fn segment_toggle(bench: &mut Bench<'_>) -> Judged {
     bench.expect_tidy()
 }
 
-/// The content of a download segment that repeats the toggle bit of the one before is ignored; the server may refuse it
-/// with abort 0503 0000h, and the object then keeps its value. Else the transfer can go on.
+/// The server ignores the content of a download segment that repeats the toggle bit of the previous segment, and the
+/// transfer can continue. It may instead refuse the segment with abort 0503 0000h; the object then keeps its value.
 #[case(id = "301/sdo/download/second-toggle", clause = "CiA 301 7.2.4.3.2", confidence = Cited, level = Must,
        needs = [ScratchObject, SegmentedDownload], catches = [SdoToggleUnchecked, SdoToggleWrongCode])]
 fn second_toggle(bench: &mut Bench<'_>) -> Judged {
@@ -75,8 +75,8 @@ fn wrong_first(bench: &mut Bench<'_>) -> Result<(Multiplexer, Option<Reply>), St
     Ok((multiplexer, Some(reply)))
 }
 
-/// The first segment is asked for with toggle bit 0; a request with 1 is ignored, and the transfer can go on, or refused
-/// with abort 0503 0000h.
+/// The first segment of an upload is requested with toggle bit 0. The server ignores a first request with toggle bit 1,
+/// and the transfer can continue, or refuses it with abort 0503 0000h.
 #[case(id = "301/sdo/upload/first-toggle", clause = "CiA 301 7.2.4.3.7", confidence = Cited, level = Must,
        needs = [SegmentedUpload], catches = [SdoToggleUnchecked, SdoToggleWrongCode], cct = "2.17")]
 fn first_toggle(bench: &mut Bench<'_>) -> Judged {
@@ -88,8 +88,8 @@ fn first_toggle(bench: &mut Bench<'_>) -> Judged {
     bench.expect_tidy()
 }
 
-/// A request for the next segment whose toggle bit repeats does not advance the upload: it is ignored, or answered by the
-/// same segment again, and the transfer can go on; or it is refused with abort 0503 0000h.
+/// A segment request that repeats the toggle bit does not advance the upload: the server ignores it or sends the same
+/// segment again, and the transfer can continue; or the server refuses it with abort 0503 0000h.
 #[case(id = "301/sdo/upload/repeated-toggle", clause = "CiA 301 7.2.4.3.5", confidence = Cited, level = Must,
        needs = [SegmentedUpload], catches = [SdoToggleUnchecked])]
 fn repeated_toggle(bench: &mut Bench<'_>) -> Judged {
@@ -105,17 +105,17 @@ fn repeated_toggle(bench: &mut Bench<'_>) -> Judged {
         return finish_upload(bench, multiplexer, segment.data().to_vec(), true, &right);
     }
     bench.check(again.refused(Situation::RepeatedToggle))?;
-    bench.expect_value(multiplexer, &right, "a new upload gives the whole value")?;
+    bench.expect_value(multiplexer, &right, "a new upload returns the whole value")?;
     bench.expect_tidy()
 }
 
-/// After the abort of a toggle error the transfer is over: a further request for a segment is refused with abort
-/// 0504 0001h, and a new upload works.
+/// The abort of a toggle error ends the transfer: a further segment request is refused with abort 0504 0001h, and a new
+/// upload works.
 #[case(id = "301/sdo/upload/over-after-abort", clause = "CiA 301 7.2.4.3.5", confidence = Cited, level = Must,
        needs = [SegmentedUpload], catches = [SdoStraySegmentSilent, SdoToggleUnchecked])]
 fn over_after_abort(bench: &mut Bench<'_>) -> Judged {
     let (multiplexer, Some(reply)) = wrong_first(bench)? else {
-        bench.note("the server ignores a wrong toggle bit: the transfer goes on");
+        bench.note("the server ignores a wrong toggle bit: the transfer continues");
         return bench.expect_tidy();
     };
     bench.check(reply.refused(Situation::RepeatedToggle))?;
@@ -126,8 +126,8 @@ fn over_after_abort(bench: &mut Bench<'_>) -> Judged {
     bench.expect_tidy()
 }
 
-/// The abort of a segment names the object of the transfer. A server that ignores a wrong toggle bit is asked for a
-/// segment of a download instead.
+/// The abort of a segment names the object of the transfer. If the server ignores a wrong toggle bit, the case sends a
+/// download segment during the upload instead.
 #[case(id = "301/sdo/upload/abort-names-object", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Must,
        needs = [SegmentedUpload], catches = [SdoAbortMultiplexerZero])]
 fn abort_names_object(bench: &mut Bench<'_>) -> Judged {
@@ -140,7 +140,7 @@ fn abort_names_object(bench: &mut Bench<'_>) -> Judged {
         }
     };
     let Some(Response::Abort(Abort { multiplexer: named, code })) = reply.response else {
-        let breach = Breach::new(multiplexer, "a segment that has no place in the upload is refused");
+        let breach = Breach::new(multiplexer, "a segment that is not allowed in the upload is refused");
         let breach = breach.expected("an abort").found(reply.observation()).told(reply.actual());
         return Err(Box::new(breach)).or_inconclusive();
     };

@@ -1,0 +1,97 @@
+use super::exchange::{Sender, is_leave, sender};
+use crate::NodeId;
+use crate::findings::effect::{Effect, SETTLE, SOON};
+use crate::findings::rule::Rule;
+use crate::findings::sink::{Report, Sink};
+use crate::findings::{Context, Scene, Seen, Severity};
+use crate::message::Message;
+use crate::wire::lss::{Request, Response};
+use canvass_macros::rule;
+use canvass_traces::Duration;
+
+/// Effects: a slave in configuration state may do nothing else.
+const EFFECTS: &[Effect] = &[
+    Effect::on(&["nodes/lost", "nodes/no-boot-up", "nodes/heartbeat-ended", "sdo/unanswered", "sdo/aborted"])
+        .of_same_node()
+        .during(SOON, SETTLE),
+    Effect::on(&["nodes/consumer-time"]).of_origin().during(SOON, SETTLE),
+];
+
+/// an LSS slave is left in configuration state
+///
+/// The master has switched slaves to configuration state, one by its address or all, and does not switch them back to
+/// waiting until the capture ends, or for a long time. The node is known where its node-ID was inquired; as long as it
+/// goes on sending messages, or is not known, this is only worth knowing.
+///
+/// # Why
+/// Some devices do nothing else while they are in configuration state, others keep the new node-ID waiting until they
+/// leave it. The next LSS master configures this slave together with the one that it means.
+///
+/// # What to do
+/// Send switch state global with mode 0 (04h 00h) after each configuration, also after one that failed.
+#[rule(id = "lss/left-in-configuration", severity = Warning, rank = State, services = [Lss], leads_to = EFFECTS)]
+struct LeftInConfiguration {
+    /// time without LSS messages after which the slave counts as left
+    #[threshold(ms = 5000)]
+    wait: Duration,
+    state: Option<Configuring>,
+}
+
+/// Slaves in configuration state.
+struct Configuring {
+    /// The message that switched them.
+    switched: Seen,
+    /// The last LSS message.
+    last: Seen,
+    /// The node-ID, as far as it is known.
+    node: Option<NodeId>,
+}
+
+impl LeftInConfiguration {
+    fn flush(&mut self, scene: &Scene<'_>, sink: &mut Sink<'_>) {
+        let Some(Configuring { switched, last, node }) = self.state.take() else { return };
+        let silence = scene.now.since(last.time());
+        if silence <= self.wait {
+            return;
+        }
+        let report = Report::at(switched.time()).until(scene.now).node(node).evidence(switched.evidence());
+        let report = report.evidence(Some(last.evidence()).filter(|_| last.time() > switched.time()));
+        let seen = node.and_then(|node| scene.facts.node(node).last_seen);
+        let is_silent = seen.is_some_and(|seen| scene.now.since(seen) > self.wait);
+        let report = if is_silent { report } else { report.severity(Severity::Info) };
+        sink.report(report, || {
+            format!("switched to configuration state, and not back to waiting; the last LSS message came {silence} ago")
+        });
+    }
+}
+
+impl Rule for LeftInConfiguration {
+    fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
+        if sender(context.message()) == Some(Sender::Master) && is_leave(context.message()) {
+            return self.flush(context.scene, sink);
+        }
+        match *context.message() {
+            Message::LssRequest(Request::SwitchGlobal { mode: 1 }) | Message::LssResponse(Response::Switched) => {
+                let node = None;
+                self.state = Some(Configuring { switched: context.seen(), last: context.seen(), node });
+            }
+            Message::LssResponse(Response::NodeId(node)) => {
+                if let Some(state) = &mut self.state {
+                    state.node = NodeId::new(node).or(state.node);
+                }
+            }
+            _ => {}
+        }
+        if let Some(state) = &mut self.state {
+            state.last = context.seen();
+        }
+    }
+
+    fn interrupted(&mut self) {
+        self.state = None;
+    }
+
+    fn finish(&mut self, scene: &Scene<'_>, sink: &mut Sink<'_>) {
+        self.flush(scene, sink);
+    }
+}

@@ -1,0 +1,102 @@
+use crate::findings::rule::Rule;
+use crate::findings::sink::{Report, Sink};
+use crate::findings::{Context, Scene, Seen};
+use crate::message::{Message, PdoNumber};
+use crate::wire::error_control::State;
+use crate::wire::nmt::Command;
+use crate::{NodeId, PerNode};
+use canvass_macros::rule;
+use canvass_traces::Duration;
+
+/// a node is stopped and never started again
+///
+/// An operational node is told by an NMT command to stop or to enter pre-operational, obeys, and is not started again
+/// until the capture ends, while other nodes stay operational and it still sends messages itself. The TPDOs that ended
+/// with the command are named.
+///
+/// # Why
+/// The node looks alive, as its heartbeat goes on, but takes part in nothing any more: its PDOs have ended, and
+/// consumers work with their last values.
+///
+/// # What to do
+/// See why the NMT master has sent the command: an error of the node just before, an operator, or a program that stops
+/// one node and forgets to start it. NMT commands do not name their sender; a tool that is connected to the bus may have
+/// sent it too.
+#[rule(id = "nodes/left-stopped", severity = Warning, rank = State, services = [Nmt])]
+struct LeftStopped {
+    /// a shorter time until the end of the capture is not reported
+    #[threshold(ms = 5000)]
+    least: Duration,
+    nodes: PerNode<Option<Box<Stop>>>,
+}
+
+/// A command that has stopped a node.
+struct Stop {
+    command: Seen,
+    expected: State,
+    /// The TPDOs that came until the command.
+    pdos: Vec<String>,
+}
+
+/// The TPDOs that a node has sent until now, with their periods as far as they are known.
+fn pdos(node: NodeId, scene: &Scene<'_>) -> Vec<String> {
+    let lately = Duration::from_secs(2);
+    let rows = scene.facts.streams.all().filter(|row| row.0 == node);
+    let rows = rows.filter(|row| row.2.last.is_some_and(|last| scene.now.since(last) <= lately));
+    let name = |number: u16, period: Option<Duration>| {
+        let period = period.map(|period| format!(" (every {period})")).unwrap_or_default();
+        format!("{}{period}", PdoNumber::Transmit(number))
+    };
+    rows.map(|(_, number, stream)| name(number, stream.period())).collect()
+}
+
+impl Rule for LeftStopped {
+    fn frame(&mut self, context: &Context<'_>, _: &mut Sink<'_>) {
+        let Message::Nmt(nmt) = *context.message() else { return };
+        let stops = matches!(nmt.command, Command::STOP | Command::ENTER_PRE_OPERATIONAL);
+        let Some(expected) = nmt.command.state() else { return };
+        for (node, stop) in self.nodes.named_mut(nmt.node) {
+            let was_operational = context.scene.facts.node(node).operational;
+            match stop {
+                // The command that follows a stop at once changes nothing for the PDOs.
+                Some(stop) if stops => stop.expected = expected,
+                None if stops && was_operational => {
+                    let pdos = pdos(node, context.scene);
+                    *stop = Some(Box::new(Stop { command: context.seen(), expected, pdos }));
+                }
+                _ if !stops => *stop = None,
+                _ => {}
+            }
+        }
+    }
+
+    fn interrupted(&mut self) {
+        self.nodes.reset();
+    }
+
+    fn finish(&mut self, scene: &Scene<'_>, sink: &mut Sink<'_>) {
+        let state = |node: NodeId| scene.bus.node(node).and_then(|known| known.state).map(|state| state.0);
+        let lives = |node: NodeId| {
+            let seen = scene.facts.node(node).last_seen;
+            seen.is_some_and(|seen| scene.now.since(seen) <= self.least)
+        };
+        let other_operates = NodeId::all()
+            .any(|node| self.nodes[node].is_none() && state(node) == Some(State::OPERATIONAL) && lives(node));
+        for (node, stop) in self.nodes.iter() {
+            let Some(Stop { command, expected, pdos }) = stop.as_deref() else { continue };
+            let lasted = scene.now.since(command.time());
+            let obeys = state(node) == Some(*expected) && lives(node) && other_operates;
+            if lasted <= self.least || !obeys {
+                continue;
+            }
+            let report = Report::at(command.time()).until(scene.now).node(node).evidence(command.evidence());
+            sink.report(report, || {
+                let pdos =
+                    if pdos.is_empty() { String::new() } else { format!("; ended with it: {}", pdos.join(", ")) };
+                format!(
+                    "{expected} by an NMT command, and not started again in the {lasted} until the capture ends{pdos}"
+                )
+            });
+        }
+    }
+}

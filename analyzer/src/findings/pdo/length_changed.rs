@@ -1,0 +1,40 @@
+use crate::findings::facts::StreamEvent;
+use crate::findings::rule::Rule;
+use crate::findings::sink::{Report, Sink};
+use crate::findings::{Context, Seen};
+use crate::message::{Message, PdoNumber};
+use canvass_macros::rule;
+
+/// a PDO changes its length
+///
+/// A TPDO whose mapping is not known has had one length in at least 20 frames, and then comes with another. NMT
+/// commands, boot-ups and SDO transfers of its parameters begin anew. Where the mapping is known, pdo/length compares
+/// with it.
+///
+/// # Why
+/// The length of a PDO follows from its mapping, which does not change while its node is operational (CiA 301): the
+/// mapping was changed unseen, another device sends with the same CAN-ID, or the firmware has a fault. Consumers drop
+/// the PDO or take other values for their own.
+///
+/// # What to do
+/// Read 1A00h of the node and compare it with what the other side expects. If frames of both lengths come in turn, look
+/// for a second sender.
+#[rule(id = "pdo/length-changed", severity = Warning, rank = DeviceError, also = UnusualPdos)]
+struct LengthChanged;
+
+impl Rule for LengthChanged {
+    fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
+        let (Some(node), StreamEvent::Length { before, times }) = (context.node(), context.news().stream) else {
+            return;
+        };
+        let Message::Pdo(pdo @ PdoNumber::Transmit(number)) = *context.message() else { return };
+        if context.scene.bus.node(node).is_some_and(|known| known.known_layout(pdo).is_some()) {
+            return;
+        }
+        let found = context.record.frame.len();
+        let detail = u64::from(number) << 8 | found as u64;
+        let report = Report::at(context.now()).node(node).detail(detail);
+        let report = report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence());
+        sink.report(report, || format!("{pdo} has {found} bytes, the {times} before it had {before}"));
+    }
+}

@@ -1,0 +1,95 @@
+use crate::NodeId;
+use crate::findings::effect::{Effect, SOON};
+use crate::findings::facts::RequestEvent;
+use crate::findings::rule::Rule;
+use crate::findings::sink::{Report, Sink};
+use crate::findings::{Context, Scene, Seen};
+use crate::network::Event;
+use crate::network::sdo::{Direction, Transfer};
+use canvass_macros::rule;
+use canvass_traces::Duration;
+
+/// Effects: messages that a transfer gets which nobody continues.
+const EFFECTS: &[Effect] = &[Effect::on(&["sdo/protocol-violation", "sdo/aborted"]).of_same_node().spanning(SOON)];
+
+/// an SDO transfer is begun and never finished
+///
+/// The server has answered the first request of a segmented or block transfer, and then the client begins another
+/// transfer on the channel, or sends nothing more until the capture ends, without a last segment or an abort. Requests
+/// that the server does not answer are reported by sdo/unanswered, and transfers that a reset ends are none.
+///
+/// # Why
+/// Of a value that is written only a part has arrived: what the device has of it is not defined. Of a value that is read
+/// the client has a part at most. The server may refuse other requests until its own timeout is over.
+///
+/// # What to do
+/// Look for the reason in the client: a timeout of the whole transfer, a buffer that is too small, or a client that
+/// takes the announcement of segments for the value. It must abort a transfer that it does not finish.
+#[rule(id = "sdo/unfinished", severity = Warning, rank = Transfer, services = [Sdo], leads_to = EFFECTS)]
+struct Unfinished {
+    /// silence after which an open transfer counts as left at the end of the capture
+    #[threshold(ms = 2000)]
+    wait: Duration,
+}
+
+/// The progress of a transfer, in words.
+fn progress(transfer: &Transfer) -> String {
+    let done = match transfer.direction {
+        Direction::Upload => "read",
+        Direction::Download => "written",
+    };
+    match (transfer.length(), transfer.announced) {
+        (length, Some(announced)) => format!("{length} of {announced} bytes {done}"),
+        (1, None) => format!("1 byte {done}"),
+        (length, None) => format!("{length} bytes {done}"),
+    }
+}
+
+fn detail(transfer: &Transfer) -> u64 {
+    let object = transfer.multiplexer;
+    let download = u64::from(transfer.direction == Direction::Download);
+    u64::from(object.index.0) << 9 | u64::from(object.sub.0) << 1 | download
+}
+
+fn report<'e>(node: NodeId, transfer: &Transfer) -> Report<'e> {
+    let report = Report::at(transfer.started).until(transfer.latest).node(node);
+    report.detail(detail(transfer)).object(transfer.multiplexer)
+}
+
+/// Whether the server has answered the first request: the transfer has more than one frame.
+fn is_answered(transfer: &Transfer) -> bool {
+    transfer.latest > transfer.started
+}
+
+impl Rule for Unfinished {
+    fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
+        let (Some(node), Some(channel)) = (context.node(), context.decoded.channel) else { return };
+        let is_left = |event: &Event| matches!(event, Event::TransferLeft(left) if *left == channel);
+        let unanswered = matches!(context.news().request, RequestEvent::GivenUp(_) | RequestEvent::Repeated);
+        if unanswered || !context.scene.bus.events().iter().any(is_left) {
+            return;
+        }
+        let Some(transfer) = context.scene.bus.left_transfer(channel).filter(|left| is_answered(left)) else { return };
+        let report = report(node, transfer).evidence(context.previous.map(Seen::evidence));
+        sink.report(report.evidence(context.evidence()), || {
+            let (direction, object) = (transfer.direction, transfer.multiplexer);
+            let later = context.now().since(transfer.latest);
+            format!("{direction} of {object} left with {}: another transfer begins {later} later", progress(transfer))
+        });
+    }
+
+    fn finish(&mut self, scene: &Scene<'_>, sink: &mut Sink<'_>) {
+        for (node, transfer) in scene.bus.open_transfers() {
+            let silence = scene.now.since(transfer.latest);
+            let pending =
+                |(_, pending): (_, &crate::findings::facts::Pending)| pending.request.decoded.node == Some(node);
+            if silence <= self.wait || !is_answered(transfer) || scene.facts.requests.open().any(pending) {
+                continue;
+            }
+            sink.report(report(node, transfer), || {
+                let (direction, object) = (transfer.direction, transfer.multiplexer);
+                format!("{direction} of {object} left with {}: nothing follows for {silence}", progress(transfer))
+            });
+        }
+    }
+}

@@ -1,0 +1,191 @@
+//! What is learned from the frames themselves: the period of SYNC, the rhythm and the length of PDOs, and errors on the
+//! bus that silence all nodes.
+
+use crate::traffic::{Traffic, hex};
+use canvass_analyzer::findings::{Finding, Severity};
+
+fn beats(seconds: u64) -> Traffic {
+    let mut traffic = Traffic::default();
+    for node in [1, 2, 3] {
+        traffic.every(30 + node, seconds * 1_000, 100, |_| format!("70{node}#05"));
+    }
+    traffic
+}
+
+/// A queue is drained at the start: the first SYNC messages come in a burst.
+#[test]
+fn a_burst_of_sync_is_no_period() {
+    let mut traffic = beats(10);
+    for n in 0..9 {
+        traffic.micros(n * 1_800, "080#");
+    }
+    for n in 0..490 {
+        traffic.micros(36_600 + n * 20_200, "080#");
+    }
+    traffic.only(&[]);
+}
+
+#[test]
+fn a_sync_that_changes_its_period_is_not_missing() {
+    for (before, after) in [(10, 50), (50, 10), (10, 18), (20, 1_000)] {
+        let mut traffic = beats(20);
+        traffic.every(0, 10_000, before, |_| "080#".to_owned()).every(10_000, 20_000, after, |_| "080#".to_owned());
+        let found = traffic.results().findings;
+        assert!(found.iter().all(|finding| finding.rule.id != "pdo/sync-missing"), "{before} {after}: {found:#?}");
+    }
+}
+
+#[test]
+fn sync_that_is_missing_again_and_again() {
+    let mut traffic = beats(10);
+    traffic.every(0, 10_000, 20, |_| "080#".to_owned());
+    for at in [3_000, 5_000, 5_040, 7_000, 7_020, 7_040] {
+        traffic.silence(0x080, at, at + 1);
+    }
+    let found = traffic.finds("pdo/sync-missing", None, 2_980);
+    assert_eq!(found.count, 4);
+    assert!(found.message.contains("no SYNC for 80"), "{}", found.message);
+}
+
+/// The producer stalls, and sends what it has missed at once.
+#[test]
+fn a_sync_producer_that_catches_up() {
+    let mut traffic = beats(10);
+    traffic.every(0, 10_000, 20, |_| "080#".to_owned()).silence(0x080, 5_000, 5_200);
+    for n in 0..10 {
+        traffic.micros(5_190_000 + n * 500, "080#");
+    }
+    traffic.finds("pdo/sync-missing", None, 4_980);
+}
+
+/// All nodes are silent while errors flood the bus.
+#[test]
+fn a_flood_of_errors_is_the_physical_layer() {
+    let mut traffic = beats(12);
+    traffic.remove(|ms, _| (5_000..9_000).contains(&ms));
+    traffic.every(5_000, 9_000, 100, |_| "20000008#0000040000000000".to_owned());
+    let results = traffic.results();
+    assert_eq!(results.stories.len(), 1, "{:#?}", results.stories);
+    let head = &results.findings[results.stories[0].head[0]];
+    assert_eq!((head.rule.id, head.count, head.severity), ("capture/error-flood", 1, Severity::Error));
+    assert!(head.message.starts_with("40 error frames within 3.9"), "{}", head.message);
+    let lost = results.findings.iter().filter(|finding| finding.rule.id == "nodes/lost").count();
+    assert_eq!(lost, 3);
+}
+
+/// Few errors of a node that is cut off are its own.
+#[test]
+fn few_errors_are_no_flood() {
+    let mut traffic = beats(12);
+    traffic.silence(0x702, 5_000, 9_000).every(5_000, 5_300, 100, |_| "20000008#0000040000000000".to_owned());
+    let results = traffic.results();
+    let head = &results.findings[results.stories[0].head[0]];
+    assert_eq!((head.rule.id, head.node.map(|node| node.raw())), ("nodes/lost", Some(2)));
+    assert!(results.findings.iter().all(|finding| finding.rule.id != "capture/error-flood"));
+}
+
+/// Node 2 sends TPDO 1 every 100 ms until 20 s.
+fn stops(data: impl Fn(u64) -> String) -> Traffic {
+    let mut traffic = beats(40);
+    traffic.every(0, 40_000, 100, |_| "080#".to_owned()).every(2, 20_000, 100, move |n| format!("182#{}", data(n)));
+    traffic
+}
+
+#[test]
+fn a_pdo_that_stops_is_learned() {
+    let found = stops(|_| "0102030405060708".to_owned()).finds("pdo/ended", Some(2), 19_902);
+    assert_eq!(found.severity, Severity::Warning);
+    assert!(found.message.contains("does not come for the last 20.0"), "{}", found.message);
+    assert!(found.message.contains("before it came every 100 ms"), "{}", found.message);
+}
+
+/// Events send a PDO as often as its inhibit time allows, until its value rests.
+#[test]
+fn a_value_that_rests_is_no_pdo_that_stops() {
+    stops(hex).only(&[]);
+}
+
+#[test]
+fn a_pdo_that_stops_with_its_reason() {
+    let constant = |_| "0102030405060708".to_owned();
+    let mut stopped = stops(constant);
+    stopped.silence(0x702, 20_000, 40_000).at(20_000, "000#8002");
+    stopped.every(20_032, 25_000, 100, |_| "702#7F".to_owned()).every(25_032, 40_000, 100, |_| "702#05".to_owned());
+    stopped.at(25_000, "000#0102").only(&[]);
+    let mut without_sync = stops(constant);
+    without_sync.silence(0x080, 20_000, 40_000).only(&["pdo/sync-missing"]);
+    let mut unfed = stops(constant);
+    unfed.every(1, 20_000, 100, |_| "202#0102".to_owned()).only(&[]);
+    let mut several = stops(constant);
+    several.every(5, 20_000, 50, |_| "183#0102".to_owned()).only(&[]);
+    let mut reconfigured = stops(constant);
+    reconfigured.sdo(19_950, 2, "2300180182010080", "6000180100000000").only(&[]);
+}
+
+/// The event timer is written in the capture: then the end is certain.
+#[test]
+fn a_pdo_with_an_event_timer_that_stops() {
+    let mut traffic = stops(hex);
+    traffic.remove(|ms, frame| ms < 400 && frame.cob_id() == Some(0x182));
+    traffic.sdo(100, 2, "2B00180564000000", "6000180500000000").sdo(120, 2, "2F001802FE000000", "6000180200000000");
+    let found = traffic.finds("pdo/ended", Some(2), 19_902);
+    assert_eq!(found.severity, Severity::Error);
+    assert!(found.message.contains("its event timer is 100 ms"), "{}", found.message);
+}
+
+/// A node without a heartbeat falls silent: its PDO is all that shows it.
+#[test]
+fn a_node_without_heartbeat_that_falls_silent() {
+    let mut traffic = stops(|_| "0102030405060708".to_owned());
+    traffic.remove(|_, frame| frame.cob_id() == Some(0x702)).at(1, "000#0102");
+    let found = traffic.finds("pdo/ended", Some(2), 19_902);
+    assert!(found.message.ends_with("nor does the node send anything else"), "{}", found.message);
+}
+
+#[test]
+fn a_pdo_that_stays_away_for_a_while() {
+    let mut traffic = stops(|_| "0102030405060708".to_owned());
+    traffic.every(30_002, 40_000, 100, |_| "182#0102030405060708".to_owned());
+    let found = traffic.finds("pdo/ended", Some(2), 19_902);
+    assert!(found.message.contains("stayed away for 10.1"), "{}", found.message);
+}
+
+#[test]
+fn a_pdo_that_changes_its_length() {
+    let mut traffic = stops(|_| "0102030405060708".to_owned());
+    traffic.every(20_002, 40_000, 100, |_| "182#01020304".to_owned());
+    let found = traffic.finds("pdo/length-changed", Some(2), 20_002);
+    assert_eq!(found.count, 2);
+    assert!(found.message.contains("has 4 bytes, the 200 before it had 8"), "{}", found.message);
+    // A new start may bring another mapping.
+    traffic.at(20_000, "702#00").silence(0x702, 20_001, 40_000).only(&[
+        "nodes/boot-up-without-command",
+        "nodes/heartbeat-ended",
+        "nodes/lost",
+    ]);
+}
+
+fn second_sender(after: u64, data: &str) -> Vec<Finding> {
+    let mut traffic = beats(40);
+    traffic.every(0, 40_000, 100, |_| "080#".to_owned()).every(2, 40_000, 100, |_| "182#0102030405060708".to_owned());
+    traffic.every(20_002 + after, 40_000, 100, |_| format!("182#{data}"));
+    traffic.only(&["bus/two-producers", "pdo/length-changed"])
+}
+
+#[test]
+fn a_second_sender_of_a_pdo_is_learned() {
+    for after in [2, 20, 30, 70, 90] {
+        let found = second_sender(after, "1112131415161718");
+        assert_eq!(found.len(), 1, "{after}: {found:#?}");
+        assert_eq!((found[0].rule.id, found[0].severity), ("bus/two-producers", Severity::Warning));
+        assert!(found[0].message.contains("two devices send it"), "{}", found[0].message);
+    }
+    let other_length = second_sender(2, "AABBCCDD");
+    assert_eq!(other_length.len(), 2, "{other_length:#?}");
+}
+
+/// One device that doubles its rate is none.
+#[test]
+fn a_doubled_rate_is_no_second_sender() {
+    assert!(second_sender(50, "0102030405060708").is_empty());
+}
