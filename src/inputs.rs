@@ -12,8 +12,8 @@ use canvass_analyzer::findings::InOrder;
 use canvass_reports::diagnosis::Reading;
 use canvass_reports::quality::CaptureQuality;
 use canvass_traces::{
-    CanId, Capture, ChannelId, Channels, Columns, Damage, Format, Frame, Merge, Naming, OpenError, Quality, ReadOptions, Reader,
-    Record, Source, TimeBase, Timestamp,
+    CanId, Capture, ChannelId, Channels, Columns, Damage, Format, Frame, Merge, Naming, OpenError, Quality, ReadOptions,
+    Reader, Record, Source, TimeBase, Timestamp,
 };
 use std::fs::File;
 use std::io;

@@ -22,6 +22,8 @@
 
 mod clock;
 mod columns;
+mod describe;
+mod doubt;
 mod infer;
 mod layout;
 mod question;
@@ -40,11 +42,10 @@ use crate::formats::candump_log::intern;
 use crate::lines::{Line, LineFormat, TextReader};
 use crate::{Channels, Damage, DamageKind, Place, ReadOptions, Reader, Record, Source, TimeBase, Timestamp};
 use clock::{Clock, Unit, date, plain, time_of_day};
-use layout::{Behind, Core, DataForm, Layout, Role};
+use layout::Layout;
 use row::{Miss, Row};
 use table::Table;
-use token::{Kind, Token, tokenise};
-use word::Word;
+use token::{Token, tokenise};
 
 pub(crate) use remark::remark;
 pub(crate) use unread::unread;
@@ -91,6 +92,8 @@ struct Pasted {
     /// The question that keeps the lines from being read.
     question: Option<Question>,
     clock: Clock,
+    /// Whether the head of the table has been read: lines before it are comments.
+    headed: bool,
     tokens: Vec<Token>,
 }
 
@@ -145,6 +148,8 @@ impl LineFormat for Pasted {
 }
 
 const NO_TIME: &str = "a time between 1970 and 2554";
+/// What a last line without line end lacks.
+const REST: &str = "the end of this line, as the frame may go on,";
 
 impl Pasted {
     fn columns_line(
@@ -155,11 +160,14 @@ impl Pasted {
     ) -> Option<Result<Record, Damage>> {
         tokenise(line.bytes, &mut self.tokens);
         match row::read(line.bytes, &self.tokens, layout) {
-            Ok(row) if !line.ended && row.may_go_on => {
-                Some(Err(line.cut("the end of this line, as the frame may go on,")))
-            }
+            Ok(row) if !line.ended && row.may_go_on => Some(Err(line.cut(REST))),
             Ok(row) => Some(self.record(line, row, layout, channels)),
-            Err((at, what)) if is_like_frame(line.bytes, &self.tokens, layout) => Some(Err(damage(line, at, what))),
+            Err((at, _)) if !line.ended && doubt::is_begun(line.bytes, &self.tokens, layout, at) => {
+                Some(Err(line.cut(REST)))
+            }
+            Err((at, what)) if doubt::is_like_frame(line.bytes, &self.tokens, layout) => {
+                Some(Err(damage(line, at, what)))
+            }
             Err(_) => None,
         }
     }
@@ -205,12 +213,14 @@ impl Pasted {
         channels: &mut Channels,
     ) -> Option<Result<Record, Damage>> {
         if table.is_head(line.bytes) {
+            self.headed = true;
+            return None;
+        }
+        if !self.headed {
             return None;
         }
         match table.row(line.bytes) {
-            Ok(row) if !line.ended && row.may_go_on => {
-                Some(Err(line.cut("the end of this line, as the frame may go on,")))
-            }
+            Ok(row) if !line.ended && row.may_go_on => Some(Err(line.cut(REST))),
             Ok(row) => {
                 let name = if row.channel.is_empty() { CHANNEL.as_bytes() } else { row.channel };
                 let channel = match intern(name, channels) {
@@ -223,6 +233,7 @@ impl Pasted {
                 let direction = row.record.direction;
                 Some(Ok(row.record.seen(time, channel, direction, line.place)))
             }
+            Err(_) if !line.ended && line.bytes.iter().any(u8::is_ascii_digit) => Some(Err(line.cut(REST))),
             Err((at, what)) if table.is_like_row(line.bytes) => Some(Err(damage(line, at, what))),
             Err(_) => None,
         }
@@ -250,56 +261,4 @@ impl Pasted {
 fn damage(line: &Line<'_>, at: usize, what: &'static str) -> Damage {
     let (expected, found): (Miss, &[u8]) = ((at, what), line.bytes.get(at..).unwrap_or_default());
     line.damage(crate::grammar::Expected::new(found, expected.1))
-}
-
-/// Whether a line that is no frame looks like one: it has more numbers than words.
-fn is_like_frame(line: &[u8], tokens: &[Token], layout: &Layout) -> bool {
-    let is_number =
-        |token: &&Token| matches!(token.kind, Kind::Number(_) | Kind::Digits | Kind::Notation | Kind::Slcan);
-    let numbers = tokens.iter().filter(is_number).count();
-    let words = tokens.iter().filter(|token| token.kind == Kind::Word(Word::Unknown)).count();
-    match layout.core {
-        Core::Apart => numbers >= 2 && numbers >= words,
-        Core::Notation => memchr::memchr(b'#', line).is_some_and(|at| {
-            let is_digit = |byte: Option<&u8>| byte.is_some_and(u8::is_ascii_hexdigit);
-            is_digit(at.checked_sub(1).and_then(|before| line.get(before))) && words <= 2
-        }),
-        Core::Slcan => {
-            let count = |is: fn(&u8) -> bool| line.iter().filter(|byte| is(byte)).count();
-            let (digits, hex, all) = (count(u8::is_ascii_digit), count(u8::is_ascii_hexdigit), line.trim_ascii().len());
-            digits >= 3 && 4 * hex >= 3 * all
-        }
-    }
-}
-
-impl Meaning {
-    /// The meaning of the columns in words.
-    fn describe(&self) -> String {
-        let layout = match self {
-            Self::Columns(layout) => layout,
-            Self::Table(table) => return format!("a table with named columns, times in {}", table.unit.symbol()),
-        };
-        let mut parts = Vec::new();
-        if layout.has(Role::Time) || layout.behind == Behind::Time {
-            let kind = if layout.differences { "time since the line before" } else { "time" };
-            parts.push(format!("{kind} in {}", layout.unit.symbol()));
-        }
-        match layout.core {
-            Core::Notation => parts.push("frames in candump's notation".to_owned()),
-            Core::Slcan => parts.push("frames in SLCAN's notation".to_owned()),
-            Core::Apart => {
-                parts.push(if layout.id_is_decimal { "id in decimal" } else { "id in hex" }.to_owned());
-                if layout.has(Role::Length) {
-                    parts.push("length".to_owned());
-                }
-                parts.push(
-                    if layout.data == DataForm::Decimal { "bytes in decimal" } else { "bytes in hex" }.to_owned(),
-                );
-            }
-        }
-        if layout.behind == Behind::CycleAndCount {
-            parts.push("a list with the last frame of each id, and no times".to_owned());
-        }
-        parts.join(", ")
-    }
 }

@@ -162,10 +162,13 @@ impl Table {
         }
     }
 
-    /// Whether a line has as many fields as a row.
+    /// Whether a line that is no row looks like one: it has enough fields, and half of them have digits.
     pub(super) fn is_like_row(&self, line: &[u8]) -> bool {
+        let texts = || line.split(|byte| *byte == self.separator).filter(|text| !text.trim_ascii().is_empty());
+        let with_digits = texts().filter(|text| text.iter().any(u8::is_ascii_digit)).count();
         // The longer half of a row that a damaged byte splits has nearly half of the separators.
         2 * line.iter().filter(|byte| **byte == self.separator).count() + 2 >= self.fields.len()
+            && 2 * with_digits >= texts().count()
     }
 
     /// Reads a row.
