@@ -46,6 +46,11 @@ const NOTHING: &[(&str, &str)] = &[
         "JSON",
         "{\"id\": 1541, \"len\": 8, \"data\": [64, 0, 16, 0, 0, 0, 0, 0]},\n{\"id\": 1413, \"len\": 1, \"data\": [5]}\n",
     ),
+    ("a letter behind a number", "605 r\nIn 605 remote nodes\n"),
+    ("a number of remote nodes", "The plant has 605 4 r\n"),
+    ("revisions", "r1234\nr1235 | bob\nt1230\n"),
+    ("small numbers beside a byte", "a 100 2 10 aa,\n"),
+    ("a resistor", "R 100 aA A\n"),
     (
         "an EDS",
         "[1018sub1]\nParameterName=Vendor-ID\nObjectType=0x7\nDataType=0x0007\nAccessType=ro\nDefaultValue=0x605\n",

@@ -38,8 +38,9 @@ fn are_columns_proven(sample: &Sample<'_>, layout: &Layout, rows: &[(usize, Row)
             && (is_labelled || are_without_length(sample, layout, rows, most));
     }
     match layout.data {
-        DataForm::Padded => has_hex(sample, rows) && (is_labelled || rows.len() > 1 || most > 1 || is_seen(rows)),
-        DataForm::Compact => is_labelled || most >= 3,
+        // A single row such as `100 2 10 aa` may stand in any text.
+        DataForm::Padded => has_hex(sample, rows) && (is_labelled || rows.len() > 1 || most >= 4 || is_seen(rows)),
+        DataForm::Compact => is_labelled || most >= 4 || rows.len() > 1 && most >= 3,
         // Short rows of small numbers may be anything.
         DataForm::Unpadded | DataForm::Decimal => most >= 4 || rows.len() > 1 && most >= 2,
     }
@@ -56,7 +57,7 @@ fn are_without_length(sample: &Sample<'_>, layout: &Layout, rows: &[(usize, Row)
         && !has_other_words
         && !rows.iter().any(is_source)
         && are_bare_ids(rows)
-        && (is_long || is_seen(rows) && layout.data == DataForm::Padded)
+        && (is_long || is_seen(rows) && rows.len() > 1 && layout.data == DataForm::Padded)
         && (layout.data == DataForm::Compact || has_hex(sample, rows))
 }
 
