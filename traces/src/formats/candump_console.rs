@@ -26,8 +26,10 @@
 //! remain: `[0]` may be cut before `remote request`, and a single byte `10` may be the beginning of bits; such
 //! lines are reported as truncated.
 
-use crate::formats::candump_log::{EPOCH_FROM, aside, intern};
-use crate::formats::pasted::remark;
+mod behind;
+mod clock;
+
+use crate::formats::candump_log::{aside, intern};
 use crate::grammar::{
     Expected, Parsed, billionths, blanks1, decimal, hex_byte, hex_field, nibble, seconds, skip_blanks, tag, word,
 };
@@ -37,6 +39,8 @@ use crate::{
     ChannelId, Channels, Damage, DamageKind, Direction, ErrorClass, Flags, Frame, ReadOptions, Reader, Record, Source,
     TimeBase, Timestamp,
 };
+use behind::{Behind, NO_SURPLUS, behind, remarked};
+use clock::Clock;
 use jiff::civil;
 use memchr::memchr;
 use nom::Parser;
@@ -79,7 +83,7 @@ impl LineFormat for Console {
     }
 
     fn time_base(&self) -> TimeBase {
-        self.clock.base.unwrap_or(TimeBase::None)
+        self.clock.base()
     }
 }
 
@@ -110,13 +114,11 @@ impl Console {
         record.direction = start.direction;
         record.place = line.place;
         self.explained = record.frame.is_error();
-        if let Some(remark) = body.remark.and_then(remark) {
-            record = record.with_comment(remark);
-        }
-        match body.surplus {
+        match body.behind {
+            Behind::Usual => Ok(record),
+            Behind::Remark(text) => Ok(remarked(record, text)),
             // A controller obeys the length code: if the line is right at all, the bus carried this number of bytes.
-            Some(at) => Err(line.damage(Expected { at, what: NO_SURPLUS }).with_salvaged(record)),
-            None => Ok(record),
+            Behind::Surplus(at) => Err(line.damage(Expected { at, what: NO_SURPLUS }).with_salvaged(record)),
         }
     }
 }
@@ -222,15 +224,12 @@ struct Body<'a> {
     bits: bool,
     cropped: bool,
     doubt: Doubt,
-    /// The bytes beyond the length in brackets.
-    surplus: Option<&'a [u8]>,
-    /// The text after the bytes, with the mark before it.
-    remark: Option<&'a [u8]>,
+    behind: Behind<'a>,
 }
 
 impl Body<'_> {
     const fn new(record: Record) -> Self {
-        Self { record, bits: false, cropped: false, doubt: Doubt::None, surplus: None, remark: None }
+        Self { record, bits: false, cropped: false, doubt: Doubt::None, behind: Behind::Usual }
     }
 }
 
@@ -334,43 +333,19 @@ fn payload(input: &[u8], len: usize, frame: impl Fn(&[u8]) -> Option<Record>) ->
     let Some(record) = frame(&data) else {
         return Expected::fail(input, "a length that this kind of frame has");
     };
-    let behind = skip_blanks(last);
-    let remark = (behind.len() < last.len() && is_remark(behind, len)).then_some(behind);
-    if remark.is_none() && !matches!(behind, [] | [b'\'' | b'`', ..]) && !behind.starts_with(b"ERRORFRAME") {
-        if !is_bytes(behind) {
-            return Expected::fail(behind, NO_SURPLUS);
-        }
-        return Ok((&[], Body { bits, surplus: Some(behind), ..Body::new(record) }));
-    }
+    let text = skip_blanks(last);
+    let (rest, behind) = match text {
+        [] | [b'\'' | b'`', ..] => (text, Behind::Usual),
+        _ => behind(last, text, len)?,
+    };
     let is_digits = |byte: u8| byte >> 4 <= 1 && byte & 15 <= 1;
     let doubt = match data[..] {
-        _ if !last.is_empty() && !behind.is_empty() => Doubt::None,
+        _ if !last.is_empty() && !text.is_empty() => Doubt::None,
         [] => Doubt::Remote,
         [byte] if !bits && last.is_empty() && is_digits(byte) => Doubt::Bits,
         _ => Doubt::None,
     };
-    Ok((behind, Body { bits, doubt, remark, ..Body::new(record) }))
-}
-
-/// Whether somebody wrote this text after the bytes. Two lines that became one are no frame with a remark.
-fn is_remark(text: &[u8], len: usize) -> bool {
-    let is_marked = match text {
-        [b'#' | b';' | b'<', ..] | [b'/', b'/' | b'*', ..] | [b'-', b'-' | b'>', ..] => true,
-        [first, second, ..] => {
-            len > 0 && !first.is_ascii_hexdigit() && first.is_ascii_alphabetic() && second.is_ascii_lowercase()
-        }
-        _ => false,
-    };
-    let mut words = (0..text.len()).filter(|at| *at == 0 || text.get(at - 1) == Some(&b' '));
-    is_marked && !words.any(|at| start(text.get(at..).unwrap_or_default()).is_ok_and(|(_, start)| start.brackets))
-}
-
-const NO_SURPLUS: &str = "the end of the line after as many bytes as the brackets tell";
-
-/// Whether the rest of the line consists of two-digit bytes.
-fn is_bytes(input: &[u8]) -> bool {
-    let mut tokens = input.split(|byte| *byte == b' ').filter(|token| !token.is_empty());
-    tokens.all(|token| matches!(hex_byte(token), Ok(([], _))))
+    Ok((rest, Body { bits, doubt, behind, ..Body::new(record) }))
 }
 
 /// Parses a byte written as eight bits.
@@ -378,52 +353,4 @@ fn bit_byte(input: &[u8]) -> Option<(&[u8], u8)> {
     let (bits, rest) = input.split_first_chunk::<8>()?;
     let is_bits = bits.iter().all(|b| matches!(b, b'0' | b'1'));
     is_bits.then(|| (rest, bits.iter().fold(0, |byte, bit| byte << 1 | (bit - b'0'))))
-}
-
-/// The origin of the times.
-#[derive(Default)]
-struct Clock {
-    base: Option<TimeBase>,
-    now: u64,
-    /// The small time in the line before.
-    last: u64,
-    differences: bool,
-    /// Number of small times seen.
-    seen: usize,
-}
-
-impl Clock {
-    /// Number of small times without a step back, after which a step back is one of the clock.
-    const ENOUGH: usize = 20;
-
-    /// Guesses the origin from the buffered lines, before the first one is read.
-    fn guess(head: &[u8]) -> Self {
-        let small = |line: &[u8]| match start(&without_colours(line)) {
-            Ok((_, Start { stamp: Some(Stamp::Seconds(nanos)), .. })) if nanos < EPOCH_FROM => Some(nanos),
-            _ => None,
-        };
-        let times: Vec<u64> =
-            head_lines(head).filter(|(_, complete)| *complete).take(1000).filter_map(|(line, _)| small(line)).collect();
-        let down = times.windows(2).filter(|pair| pair[1] < pair[0]).count();
-        Self { differences: down > 0 && down * 10 >= times.len(), seen: times.len(), ..Self::default() }
-    }
-
-    fn time(&mut self, stamp: Option<Stamp>) -> Timestamp {
-        let (base, time) = match stamp {
-            None => (TimeBase::None, self.now),
-            Some(Stamp::Date(nanos)) => (TimeBase::Local, nanos),
-            Some(Stamp::Seconds(nanos)) if nanos >= EPOCH_FROM => (TimeBase::Utc, nanos),
-            Some(Stamp::Seconds(nanos)) => (TimeBase::Start, self.small(nanos)),
-        };
-        self.base.get_or_insert(base);
-        self.now = time;
-        Timestamp(time)
-    }
-
-    fn small(&mut self, nanos: u64) -> u64 {
-        self.differences |= nanos < self.last && self.seen < Self::ENOUGH;
-        self.seen = self.seen.saturating_add(1);
-        self.last = nanos;
-        if self.differences { self.now.saturating_add(nanos) } else { nanos }
-    }
 }

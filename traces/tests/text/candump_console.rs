@@ -89,6 +89,9 @@ fn a_remark_beside_a_frame_becomes_its_comment() {
         ("  can0  703   [1]  05  -> here", "here"),
         ("  can0  703   [1]  05  this is it", "this is it"),
         ("  can0  080   [0]  <- the first one", "the first one"),
+        ("  can0  703   [1]  05  answer is missing", "answer is missing"),
+        ("  can0  703   [1]  05  TIMEOUT", "TIMEOUT"),
+        ("  can0  703   [1]  05  ← here", "here"),
     ] {
         assert_eq!(one(CONSOLE, &format!("{line}\n")).comment(), Some(remark), "{line}");
     }
