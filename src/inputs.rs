@@ -12,8 +12,8 @@ use canvass_analyzer::findings::InOrder;
 use canvass_reports::diagnosis::Reading;
 use canvass_reports::quality::CaptureQuality;
 use canvass_traces::{
-    CanId, Capture, ChannelId, Channels, Columns, Damage, Format, Frame, Merge, Naming, OpenError, Quality, ReadOptions,
-    Reader, Record, Source, TimeBase, Timestamp,
+    CanId, Capture, ChannelId, Channels, Columns, Damage, Format, Frame, Merge, Naming, OpenError, Quality,
+    ReadOptions, Reader, Record, Source, TimeBase, Timestamp,
 };
 use std::fs::File;
 use std::io;
@@ -300,8 +300,7 @@ impl InputOptions {
     }
 
     fn open(&self, file: &Path, output: &Output, interrupt: &Interrupt, progress: &Progress) -> Result<Capture> {
-        let options =
-            ReadOptions { format: self.format_in, topics: self.topic.clone(), columns: self.columns.clone() };
+        let options = ReadOptions { format: self.format_in, topics: self.topic.clone(), columns: self.columns.clone() };
         let (output, interrupt) = (output.clone(), interrupt.clone());
         if is_stdin(file) {
             let source = Source::new(live(|| Ok(io::stdin()), output, interrupt));

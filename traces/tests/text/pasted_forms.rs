@@ -140,7 +140,7 @@ fn each_form_gives_the_dialogue() {
         match crate::pasted::open_with(text, None) {
             Ok(given) if given.frames == [REQUEST, ANSWER, BEAT] && given.damages.is_empty() => {}
             Ok(given) => {
-                wrong.push(format!("{tool}: {:?} {:?} {:?}", given.frames, given.damages, given.interpretation))
+                wrong.push(format!("{tool}: {:?} {:?} {:?}", given.frames, given.damages, given.interpretation));
             }
             Err(error) => wrong.push(format!("{tool}: {error}")),
         }
