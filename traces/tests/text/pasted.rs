@@ -289,6 +289,31 @@ fn a_last_line_that_may_go_on_is_not_read() {
     gives("605#4000100000000000", &[REQUEST]);
 }
 
+#[test]
+fn a_last_line_that_may_become_a_frame_is_told_and_prose_is_not() {
+    let rows = "605 8 40 00 10 00 00 00 00 00\n585 8 43 00 10 00 92 01 02 00\n";
+    let table = "id,len,data\n605,8,40 00 10 00 00 00 00 00\n585,8,43 00 10 00 92 01 02 00\n";
+    for (text, ends) in [(rows, ["5", "585", "585 8", "585 8 43 0"]), (table, ["5", "585", "585,8,", "585,8,43 0"])] {
+        for end in ends {
+            let given = given(&format!("{text}{end}"));
+            let kinds: Vec<_> = given.damages.iter().map(|damage| damage.kind).collect();
+            assert_eq!((given.frames.len(), &kinds[..]), (2, &[DamageKind::Truncated][..]), "{end}");
+        }
+    }
+    for end in ["Any idea?", "Thanks", "```", "-- "] {
+        gives(&format!("{rows}{end}"), &[REQUEST, ANSWER]);
+        gives(&format!("{table}{end}"), &[REQUEST, ANSWER]);
+    }
+}
+
+#[test]
+fn only_rows_of_a_table_can_be_damaged() {
+    let table = "# Logged: 2024-03-01, 3 files\nid,len,data\n605,8,40 00 10 00 00 00 00 00\n";
+    gives(&format!("{table}585,8,43 00 10 00 92 01 02 00\n\nWell, I wonder\n"), &[REQUEST, ANSWER]);
+    let given = given(&format!("{table}585,8,43 00 10 00 92 01 02 0x\n"));
+    assert_eq!((given.frames.len(), given.damages[0].place.number), (1, 4));
+}
+
 /// Checks that the text fits two readings, and what each of them gives.
 #[track_caller]
 fn asks(text: &str, readings: [(&str, &[&str]); 2]) {

@@ -20,7 +20,7 @@ impl Reading<'_> {
         let data = data.get(..count).unwrap_or_default();
         match self.found.len {
             Some(len) if !self.found.remote && len != count => {
-                return Err((begin, "as many bytes as the length says"));
+                return Err((self.offset(), "as many bytes as the length says"));
             }
             Some(_) => {}
             None if count > 8 => return Err((begin, "at most 8 bytes without a length")),
