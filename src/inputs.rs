@@ -12,8 +12,8 @@ use canvass_analyzer::findings::InOrder;
 use canvass_reports::diagnosis::Reading;
 use canvass_reports::quality::CaptureQuality;
 use canvass_traces::{
-    CanId, Capture, ChannelId, Channels, Damage, Format, Frame, Merge, Naming, OpenError, Quality, ReadOptions, Reader,
-    Record, Source, TimeBase, Timestamp,
+    CanId, Capture, ChannelId, Channels, Columns, Damage, Format, Frame, Merge, Naming, OpenError, Quality,
+    ReadOptions, Reader, Record, Source, TimeBase, Timestamp,
 };
 use std::fs::File;
 use std::io;
@@ -28,6 +28,9 @@ pub struct InputOptions {
     /// Read only these topics, in formats that have topics (MCAP)
     #[arg(long, value_name = "NAME", value_delimiter = ',')]
     topic: Vec<String>,
+    /// The meaning of the numbers in pasted lines, where they fit several readings: time[ms],id,len,data
+    #[arg(long, value_name = "NAMES")]
+    columns: Option<Columns>,
     /// All files are from the same bus or buses: keep the channel names, and treat equal names as one channel
     ///
     /// Without it, the channels of several files are distinguished as FILE:CHANNEL.
@@ -92,6 +95,11 @@ impl<'a> Inputs<'a> {
             // If Ctrl-C comes before the first byte of an input, the input looks empty.
             if interrupt.came() { anyhow!("interrupted before any input arrived") } else { error }
         })?;
+        for capture in &captures {
+            if let Some(interpretation) = capture.interpretation() {
+                diagnostic(&format!("canvass: {}: read as: {interpretation}", capture.name()));
+            }
+        }
         Ok(Self { is_live, ..Self::merged(captures, options, output, interrupt) })
     }
 
@@ -292,7 +300,7 @@ impl InputOptions {
     }
 
     fn open(&self, file: &Path, output: &Output, interrupt: &Interrupt, progress: &Progress) -> Result<Capture> {
-        let options = ReadOptions { format: self.format_in, topics: self.topic.clone() };
+        let options = ReadOptions { format: self.format_in, topics: self.topic.clone(), columns: self.columns.clone() };
         let (output, interrupt) = (output.clone(), interrupt.clone());
         if is_stdin(file) {
             let source = Source::new(live(|| Ok(io::stdin()), output, interrupt));

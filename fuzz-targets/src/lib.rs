@@ -27,6 +27,7 @@ pub const TARGETS: &[Target] = &[
     ("trc", trc, &["traces/samples"]),
     ("csv", csv, &["traces/samples"]),
     ("minimon", minimon, &["traces/samples"]),
+    ("pasted", pasted, &["traces/samples", "fuzz-targets/seeds/pasted"]),
     ("capture", capture, &["traces/samples"]),
     ("wire", wire, &[]),
     ("description", description, &["analyzer/tests/eds", "conformance/device/models"]),
@@ -70,6 +71,7 @@ formats! {
     trc = "trc",
     csv = "csv",
     minimon = "minimon",
+    pasted = "pasted",
 }
 
 /// Captures of every format, recognised by their content, also compressed.

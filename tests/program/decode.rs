@@ -187,7 +187,7 @@ fn unreadable_input_is_status_2() {
     for (args, says) in [
         (&["decode", "no-such-file.log"][..], "no-such-file.log"),
         (&["decode", "Cargo.toml"], "no known format"),
-        (&["decode", "Cargo.toml"], "candump-console; if you know which, use --format-in"),
+        (&["decode", "Cargo.toml"], "candump-console, pasted; if you know which, use --format-in"),
         (&["decode", if cfg!(windows) { "NUL" } else { "/dev/null" }], "empty"),
         (&["decode", "-", "--device", "200=x.eds"], "node-ID of 1 to 127"),
         (&["decode", "-", "--device", "5=no-such-model"], "neither a built-in model"),

@@ -1,7 +1,10 @@
 //! Opening a capture of any format.
 
 use crate::compression;
-use crate::{Channels, Damage, Format, ReadOptions, Reader, Record, SkipSet, Source, SourceError, TimeBase};
+use crate::formats::pasted;
+use crate::{
+    Channels, Damage, Format, Question, ReadOptions, Reader, Record, SkipSet, Source, SourceError, TimeBase, Unread,
+};
 use std::fs::File;
 use std::io;
 use std::path::{Path, PathBuf};
@@ -41,6 +44,22 @@ pub enum OpenError {
         /// The file or `-`.
         name: String,
     },
+    /// The content is of a known kind that is not read.
+    #[error("{name} {reason}")]
+    Unread {
+        /// The file or `-`.
+        name: String,
+        /// The kind, and what to do.
+        reason: Unread,
+    },
+    /// Pasted lines fit two readings.
+    #[error("{name}: {question}")]
+    Ambiguous {
+        /// The file or `-`.
+        name: String,
+        /// The two readings.
+        question: Question,
+    },
 }
 
 fn known_formats() -> String {
@@ -70,8 +89,11 @@ impl Capture {
             compression::decompressed(source).map_err(|source| OpenError::Source { name: name.to_owned(), source })?;
         let format = match options.format {
             Some(format) => format,
-            None => recognise(name, &mut source)?,
+            None => recognise(name, &mut source, options)?,
         };
+        if format == Format::Pasted {
+            ask(name, &mut source, options)?;
+        }
         Ok(Self { name: name.to_owned(), format, reader: format.open(source, options) })
     }
 
@@ -92,19 +114,34 @@ impl Capture {
     }
 }
 
-/// Recognises the format from the head of a source. It reads only as much as needed, because a pipe may be slow.
-fn recognise(name: &str, source: &mut Source) -> Result<Format, OpenError> {
+/// Recognises the format from the head of a source. It reads only as much as needed, because a pipe may be slow; only
+/// lines in no known format are read up to [`Format::SNIFF`].
+fn recognise(name: &str, source: &mut Source, options: &ReadOptions) -> Result<Format, OpenError> {
     loop {
-        if let Some(format) = Format::sniff(source.window()) {
+        if let Some(format) = Format::sniff_known(source.window()) {
             return Ok(format);
         }
-        let unknown = || OpenError::Unknown { name: name.to_owned() };
-        if source.window().len() >= Format::SNIFF {
-            return Err(unknown());
+        let failed = |source| OpenError::Source { name: name.to_owned(), source };
+        if source.window().len() < Format::SNIFF && source.fill().map_err(failed)? {
+            continue;
         }
-        if !source.fill().map_err(|source| OpenError::Source { name: name.to_owned(), source })? {
-            return Err(if source.window().is_empty() { OpenError::Empty(name.to_owned()) } else { unknown() });
-        }
+        let head = source.window();
+        return match pasted::unread(head) {
+            _ if head.is_empty() => Err(OpenError::Empty(name.to_owned())),
+            _ if options.columns.is_some() || pasted::sniff(head) => Ok(Format::Pasted),
+            Some(reason) => Err(OpenError::Unread { name: name.to_owned(), reason }),
+            None => Err(OpenError::Unknown { name: name.to_owned() }),
+        };
+    }
+}
+
+/// Reads the lines that decide what the columns mean, and fails if they fit two readings.
+fn ask(name: &str, source: &mut Source, options: &ReadOptions) -> Result<(), OpenError> {
+    let failed = |source| OpenError::Source { name: name.to_owned(), source };
+    while source.window().len() < Format::SNIFF && source.fill().map_err(failed)? {}
+    match pasted::question(source.window(), options) {
+        Some(question) => Err(OpenError::Ambiguous { name: name.to_owned(), question }),
+        None => Ok(()),
     }
 }
 
@@ -127,6 +164,10 @@ impl Reader for Capture {
 
     fn bit_rate(&self) -> Option<u32> {
         self.reader.bit_rate()
+    }
+
+    fn interpretation(&self) -> Option<String> {
+        self.reader.interpretation()
     }
 
     fn next_kept(&mut self, skip: &mut SkipSet, record: &mut Record) -> Option<Result<(), Damage>> {

@@ -11,7 +11,7 @@ use std::fmt;
 /// assert_eq!(by_extension("pcapng"), Some(Format::Pcapng));
 /// assert_eq!(Format::Pcapng.to_string(), "pcapng");
 /// let only_read: Vec<_> = Format::all().filter(|format| !format.is_written()).collect();
-/// assert_eq!(only_read, [Format::Blf, Format::MiniMon, Format::CandumpConsole]);
+/// assert_eq!(only_read, [Format::Blf, Format::MiniMon, Format::CandumpConsole, Format::Pasted]);
 /// ```
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Format {
@@ -35,6 +35,8 @@ pub enum Format {
     Blf,
     /// python-can CSV.
     PythonCanCsv,
+    /// Lines of frames in no known format.
+    Pasted,
 }
 
 /// The names and properties of a format.
@@ -64,6 +66,7 @@ impl Format {
             Self::MiniMon => facts("minimon", "IXXAT MiniMon CSV", &["csv"]),
             Self::Blf => facts("blf", "Vector BLF", &["blf"]),
             Self::PythonCanCsv => facts("csv", "python-can CSV", &["csv"]),
+            Self::Pasted => facts("pasted", "pasted lines of frames, and tables of other tools", &["txt", "csv"]),
         }
     }
 

@@ -74,6 +74,7 @@ pub use capture::{Capture, OpenError};
 pub use channel::{ChannelId, Channels};
 pub use damage::{Damage, DamageKind};
 pub use format::Format;
+pub use formats::pasted::{Columns, ColumnsError, Question, Unread};
 pub use formats::socketcan::{from_socket, to_socket};
 pub use frame::{ErrorClass, Flags, Frame, FrameKind};
 pub use id::CanId;

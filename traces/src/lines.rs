@@ -304,6 +304,11 @@ pub(crate) trait LineFormat {
     fn bit_rate(&self) -> Option<u32> {
         None
     }
+
+    /// See [`Reader::interpretation`].
+    fn interpretation(&self) -> Option<String> {
+        None
+    }
 }
 
 /// Reads a capture of a text format.
@@ -333,7 +338,8 @@ impl<F: LineFormat> TextReader<F> {
 impl<F> TextReader<F> {
     #[cold]
     fn noted(&mut self, record: Record) -> Record {
-        let notes = std::mem::take(&mut self.notes);
+        let mut notes = std::mem::take(&mut self.notes);
+        notes.push_str(record.comment().unwrap_or_default());
         record.with_comment(notes.trim_end())
     }
 
@@ -393,6 +399,10 @@ impl<F: LineFormat> Reader for TextReader<F> {
 
     fn bit_rate(&self) -> Option<u32> {
         self.format.bit_rate()
+    }
+
+    fn interpretation(&self) -> Option<String> {
+        self.format.interpretation()
     }
 
     fn next_kept(&mut self, skip: &mut SkipSet, record: &mut Record) -> Option<Result<(), Damage>> {

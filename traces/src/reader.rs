@@ -1,6 +1,6 @@
 //! The interface of all capture readers.
 
-use crate::{Channels, Damage, Format, Record, SkipSet};
+use crate::{Channels, Columns, Damage, Format, Record, SkipSet};
 
 /// Reads a capture, one record or damage after the other, in the order of the source.
 ///
@@ -14,6 +14,11 @@ pub trait Reader: Iterator<Item = Result<Record, Damage>> {
 
     /// The bit rate of the bus in bit/s, if the source gives it.
     fn bit_rate(&self) -> Option<u32> {
+        None
+    }
+
+    /// How the columns of the source are read, if that was inferred from its content.
+    fn interpretation(&self) -> Option<String> {
         None
     }
 
@@ -37,6 +42,8 @@ pub struct ReadOptions {
     pub format: Option<Format>,
     /// The topics to read, in formats with topics (MCAP); empty for all topics with CAN frames.
     pub topics: Vec<String>,
+    /// The meaning of the columns of [`Format::Pasted`]; `None` to infer it from the content.
+    pub columns: Option<Columns>,
 }
 
 /// The origin of a capture's timestamps.

@@ -175,6 +175,8 @@ fn reason(error: &OpenError) -> String {
         OpenError::Io { source, .. } => source.to_string(),
         OpenError::Source { source, .. } => source.to_string(),
         OpenError::Empty(_) => "empty: expected a capture".to_owned(),
+        OpenError::Unread { reason, .. } => reason.to_string(),
+        OpenError::Ambiguous { question, .. } => question.to_string(),
         OpenError::Unknown { .. } => {
             let known: Vec<&str> = Format::all().map(Format::id).collect();
             format!("of no known format: expected one of {}", known.join(", "))

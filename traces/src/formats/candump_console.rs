@@ -4,7 +4,7 @@
 //! line  = [stamp] IFACE [("RX" | "TX") ("B" | "-") ("E" | "-")] ID body [text]
 //! stamp = "(" SECONDS ")" | "(" YYYY-MM-DD hh:mm:ss.ffffff ")"
 //! body  = "[" LEN "]" bytes | "[" LEN "]" "remote request" | "[" LEN "]" "(" VCID "|" FLAGS ":" SDT ":" AF ")" bytes
-//! text  = "ERRORFRAME" | "'ASCII'" | "`IICSA`" | "#" whatever somebody wrote beside it
+//! text  = "ERRORFRAME" | "'ASCII'" | "`IICSA`" | remark
 //! ```
 //!
 //! Pitfalls:
@@ -18,13 +18,18 @@
 //!   before (`-td`), and the output does not say which. Differences decrease again and again, so the lines buffered at
 //!   the beginning decide; if they are few, the first number that is less than the one before decides.
 //! - A comment (`#`, `;`) that is a frame except for its first byte is reported: the byte may be a damaged space.
+//! - What somebody wrote after the bytes (`<-- here`, `// no answer`) is a remark, and becomes the record's comment, unless
+//!   it begins like a byte or holds a frame. After `[0]` a mark must begin it: words may be a damaged `remote request`.
 //! - candump itself cuts more than 64 bytes of CAN XL (`...`): the frame is reported as truncated.
 //!
 //! In a last line without line end the number in the brackets tells whether all bytes are there. Two doubts
 //! remain: `[0]` may be cut before `remote request`, and a single byte `10` may be the beginning of bits; such
 //! lines are reported as truncated.
 
-use crate::formats::candump_log::{EPOCH_FROM, aside, intern};
+mod behind;
+mod clock;
+
+use crate::formats::candump_log::{aside, intern};
 use crate::grammar::{
     Expected, Parsed, billionths, blanks1, decimal, hex_byte, hex_field, nibble, seconds, skip_blanks, tag, word,
 };
@@ -34,6 +39,8 @@ use crate::{
     ChannelId, Channels, Damage, DamageKind, Direction, ErrorClass, Flags, Frame, ReadOptions, Reader, Record, Source,
     TimeBase, Timestamp,
 };
+use behind::{Behind, NO_SURPLUS, behind, remarked};
+use clock::Clock;
 use jiff::civil;
 use memchr::memchr;
 use nom::Parser;
@@ -76,7 +83,7 @@ impl LineFormat for Console {
     }
 
     fn time_base(&self) -> TimeBase {
-        self.clock.base.unwrap_or(TimeBase::None)
+        self.clock.base()
     }
 }
 
@@ -107,10 +114,11 @@ impl Console {
         record.direction = start.direction;
         record.place = line.place;
         self.explained = record.frame.is_error();
-        match body.surplus {
+        match body.behind {
+            Behind::Usual => Ok(record),
+            Behind::Remark(text) => Ok(remarked(record, text)),
             // A controller obeys the length code: if the line is right at all, the bus carried this number of bytes.
-            Some(at) => Err(line.damage(Expected { at, what: NO_SURPLUS }).with_salvaged(record)),
-            None => Ok(record),
+            Behind::Surplus(at) => Err(line.damage(Expected { at, what: NO_SURPLUS }).with_salvaged(record)),
         }
     }
 }
@@ -216,8 +224,13 @@ struct Body<'a> {
     bits: bool,
     cropped: bool,
     doubt: Doubt,
-    /// The bytes beyond the length in brackets.
-    surplus: Option<&'a [u8]>,
+    behind: Behind<'a>,
+}
+
+impl Body<'_> {
+    const fn new(record: Record) -> Self {
+        Self { record, bits: false, cropped: false, doubt: Doubt::None, behind: Behind::Usual }
+    }
 }
 
 /// The content of the brackets, which determines the kind of frame.
@@ -253,7 +266,7 @@ fn body(input: &[u8], id: Identifier, flags: Flags) -> Parsed<'_, Body<'_>> {
             let remote = skip_blanks(rest).strip_prefix(b"remote request");
             if let (Some(rest), Some(frame)) = (remote, Frame::remote(id, len)) {
                 let record = at_zero(frame.with_raw_dlc(raw_dlc));
-                return Ok((rest, Body { record, bits: false, cropped: false, doubt: Doubt::None, surplus: None }));
+                return Ok((rest, Body::new(record)));
             }
             payload(rest, usize::from(len), |data| Some(at_zero(Frame::new(id, data)?.with_raw_dlc(raw_dlc))))
         }
@@ -298,7 +311,7 @@ fn payload(input: &[u8], len: usize, frame: impl Fn(&[u8]) -> Option<Record>) ->
         if data.len() == 64 && next.starts_with(b"...") {
             data.resize(len, 0);
             return match frame(&data) {
-                Some(record) => Ok((&[], Body { record, bits, cropped: true, doubt: Doubt::None, surplus: None })),
+                Some(record) => Ok((&[], Body { bits, cropped: true, ..Body::new(record) })),
                 None => Expected::fail(input, "data"),
             };
         }
@@ -320,30 +333,19 @@ fn payload(input: &[u8], len: usize, frame: impl Fn(&[u8]) -> Option<Record>) ->
     let Some(record) = frame(&data) else {
         return Expected::fail(input, "a length that this kind of frame has");
     };
-    let behind = skip_blanks(last);
-    let is_remark = behind.len() < last.len() && behind.starts_with(b"#");
-    if !is_remark && !matches!(behind, [] | [b'\'' | b'`', ..]) && !behind.starts_with(b"ERRORFRAME") {
-        if !is_bytes(behind) {
-            return Expected::fail(behind, NO_SURPLUS);
-        }
-        return Ok((&[], Body { record, bits, cropped: false, doubt: Doubt::None, surplus: Some(behind) }));
-    }
+    let text = skip_blanks(last);
+    let (rest, behind) = match text {
+        [] | [b'\'' | b'`', ..] => (text, Behind::Usual),
+        _ => behind(last, text, len)?,
+    };
     let is_digits = |byte: u8| byte >> 4 <= 1 && byte & 15 <= 1;
     let doubt = match data[..] {
-        _ if !last.is_empty() && !behind.is_empty() => Doubt::None,
+        _ if !last.is_empty() && !text.is_empty() => Doubt::None,
         [] => Doubt::Remote,
         [byte] if !bits && last.is_empty() && is_digits(byte) => Doubt::Bits,
         _ => Doubt::None,
     };
-    Ok((behind, Body { record, bits, cropped: false, doubt, surplus: None }))
-}
-
-const NO_SURPLUS: &str = "the end of the line after as many bytes as the brackets tell";
-
-/// Whether the rest of the line consists of two-digit bytes.
-fn is_bytes(input: &[u8]) -> bool {
-    let mut tokens = input.split(|byte| *byte == b' ').filter(|token| !token.is_empty());
-    tokens.all(|token| matches!(hex_byte(token), Ok(([], _))))
+    Ok((rest, Body { bits, doubt, behind, ..Body::new(record) }))
 }
 
 /// Parses a byte written as eight bits.
@@ -351,52 +353,4 @@ fn bit_byte(input: &[u8]) -> Option<(&[u8], u8)> {
     let (bits, rest) = input.split_first_chunk::<8>()?;
     let is_bits = bits.iter().all(|b| matches!(b, b'0' | b'1'));
     is_bits.then(|| (rest, bits.iter().fold(0, |byte, bit| byte << 1 | (bit - b'0'))))
-}
-
-/// The origin of the times.
-#[derive(Default)]
-struct Clock {
-    base: Option<TimeBase>,
-    now: u64,
-    /// The small time in the line before.
-    last: u64,
-    differences: bool,
-    /// Number of small times seen.
-    seen: usize,
-}
-
-impl Clock {
-    /// Number of small times without a step back, after which a step back is one of the clock.
-    const ENOUGH: usize = 20;
-
-    /// Guesses the origin from the buffered lines, before the first one is read.
-    fn guess(head: &[u8]) -> Self {
-        let small = |line: &[u8]| match start(&without_colours(line)) {
-            Ok((_, Start { stamp: Some(Stamp::Seconds(nanos)), .. })) if nanos < EPOCH_FROM => Some(nanos),
-            _ => None,
-        };
-        let times: Vec<u64> =
-            head_lines(head).filter(|(_, complete)| *complete).take(1000).filter_map(|(line, _)| small(line)).collect();
-        let down = times.windows(2).filter(|pair| pair[1] < pair[0]).count();
-        Self { differences: down > 0 && down * 10 >= times.len(), seen: times.len(), ..Self::default() }
-    }
-
-    fn time(&mut self, stamp: Option<Stamp>) -> Timestamp {
-        let (base, time) = match stamp {
-            None => (TimeBase::None, self.now),
-            Some(Stamp::Date(nanos)) => (TimeBase::Local, nanos),
-            Some(Stamp::Seconds(nanos)) if nanos >= EPOCH_FROM => (TimeBase::Utc, nanos),
-            Some(Stamp::Seconds(nanos)) => (TimeBase::Start, self.small(nanos)),
-        };
-        self.base.get_or_insert(base);
-        self.now = time;
-        Timestamp(time)
-    }
-
-    fn small(&mut self, nanos: u64) -> u64 {
-        self.differences |= nanos < self.last && self.seen < Self::ENOUGH;
-        self.seen = self.seen.saturating_add(1);
-        self.last = nanos;
-        if self.differences { self.now.saturating_add(nanos) } else { nanos }
-    }
 }

@@ -152,6 +152,8 @@ pub(crate) fn aside(line: &Line<'_>, explained: bool, is_frame: impl FnOnce(&[u8
     let passed_over = match text {
         [] => return Some(None),
         [b'#' | b';', ..] | [b'/', b'/', ..] => true,
+        // A terminal's prompt and interrupt, and the marks around code in Markdown.
+        [b'$', b' ', ..] | [b'`', b'`', b'`', ..] | [b'^', b'C'] => true,
         _ => explained && line.bytes.first() == Some(&b'\t'),
     };
     if passed_over {

@@ -35,7 +35,7 @@ impl Format {
                 Loss::Comment,
             ],
             Self::Pcapng => &[Loss::UnknownDate, Loss::TimeZone],
-            Self::CandumpConsole | Self::MiniMon | Self::Blf => &[],
+            Self::CandumpConsole | Self::MiniMon | Self::Blf | Self::Pasted => &[],
         }
     }
 }

@@ -10,6 +10,7 @@ mod candump_usual;
 mod limits;
 pub(crate) mod mcap;
 pub(crate) mod minimon;
+pub(crate) mod pasted;
 pub(crate) mod pcap;
 pub(crate) mod pcapng;
 pub(crate) mod python_can_csv;
@@ -60,6 +61,7 @@ const FORMATS: &[FormatEntry] = &[
         open: candump_console::open,
         create: None,
     },
+    FormatEntry { format: Format::Pasted, sniff: pasted::sniff, open: pasted::open, create: None },
 ];
 
 impl Format {
@@ -87,6 +89,12 @@ impl Format {
     /// The format of a source that begins with these bytes.
     pub fn sniff(head: &[u8]) -> Option<Self> {
         FORMATS.iter().find(|row| (row.sniff)(head)).map(|row| row.format)
+    }
+
+    /// Like [`Format::sniff`], without the format that any lines of frames have: more bytes may show a known format.
+    pub(crate) fn sniff_known(head: &[u8]) -> Option<Self> {
+        let mut known = FORMATS.iter().filter(|row| row.format != Self::Pasted);
+        known.find(|row| (row.sniff)(head)).map(|row| row.format)
     }
 
     fn row(self) -> &'static FormatEntry {
@@ -132,6 +140,7 @@ mod tests {
             Format::MiniMon,
             Format::Blf,
             Format::PythonCanCsv,
+            Format::Pasted,
         ];
         assert_eq!(variants.len(), FORMATS.len());
         for format in variants {

@@ -157,12 +157,17 @@ impl Trc {
             }
         } else if let Some(text) = skip_blanks(comment).strip_prefix(b"Start time:") {
             self.start_in_text = start_in_text(text.trim_ascii());
-        } else if [comment, &[b"0", comment].concat()].iter().any(|text| row(text, &self.columns).is_ok()) {
+        } else if [comment, &[b"0", comment].concat()].iter().any(|text| self.is_row(text)) {
             // The damaged first byte was a space, or a digit of the row's number.
             self.numbers.pass();
             return Some(line.malformed("a row, or a comment without a row"));
         }
         None
+    }
+
+    /// Whether the text is a row of a known kind. The table of buses in a header has rows that begin with numbers, too.
+    fn is_row(&self, text: &[u8]) -> bool {
+        row(text, &self.columns).is_ok_and(|(_, row)| !matches!(row.content, Content::Unsupported))
     }
 
     fn row(&mut self, line: &Line<'_>, channels: &mut Channels) -> Result<Option<Record>, Damage> {

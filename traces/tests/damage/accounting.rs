@@ -82,6 +82,11 @@ fn tables() {
 }
 
 #[test]
+fn pasted() {
+    account_all(&[Format::Pasted]);
+}
+
+#[test]
 fn pcap() {
     account_all(&[Format::Pcap]);
 }

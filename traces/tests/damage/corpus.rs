@@ -51,6 +51,19 @@ const ROWS: &[(&str, &str)] = &[
          (1700000000.000500000)     can0 00123#81:00:12345678#112233\n",
     ),
     (
+        "pasted.txt",
+        "my trace:\n   0.100100 1  605             Tx   8 40 00 10 00 00 00 00 00\n\
+         \u{20}  0.101000 1  585             Rx   8 43 00 10 00 92 01 02 00\n   0.500000 1  705             Rx   1 05\n\
+         \u{20}  0.600000 2  18FF1234        Rx   3 01 02 03\n   0.700000 1  080             Rx   0\n",
+    ),
+    (
+        "savvycan.csv",
+        "Time Stamp,ID,Extended,Dir,Bus,LEN,D1,D2,D3,D4,D5,D6,D7,D8,\n\
+         100100,00000605,false,Tx,0,8,40,00,10,00,00,00,00,00,\n101000,00000585,false,Rx,0,8,43,00,10,00,92,01,02,00,\n\
+         500000,18FF1234,true,Rx,1,1,05,,,,,,,,\n",
+    ),
+    ("slcan.txt", "t60584000100000000000\nt58584300100092010200\nt705105\nr7051\n"),
+    (
         "relative.asc",
         "date Tue Nov 14 12:00:00.000 2023\r\nbase dec  timestamps relative\r\nBegin TriggerBlock\r\n\
          \u{20}  0.100000 1  1793             Rx   d 1 05\r\n   0.100000 1  419361332x       Tx   d 2 01 255 Length = 0 BitCount = 0\r\n\

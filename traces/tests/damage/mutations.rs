@@ -93,6 +93,11 @@ fn tables() {
 }
 
 #[test]
+fn pasted() {
+    survive_all(&[Format::Pasted]);
+}
+
+#[test]
 fn pcap() {
     survive_all(&[Format::Pcap, Format::Pcapng]);
 }

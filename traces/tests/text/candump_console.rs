@@ -77,6 +77,49 @@ fn a_remark_beside_a_frame_is_passed_over() {
 }
 
 #[test]
+fn a_remark_beside_a_frame_becomes_its_comment() {
+    for (line, remark) in [
+        ("  can0  703   [1]  05       # the gateway's heartbeat", "the gateway's heartbeat"),
+        (
+            "  can0  201   [7]  37 2F 00 00 00 00 00    <---- only now, after the time-out",
+            "only now, after the time-out",
+        ),
+        ("  can0  703   [1]  05  // no answer", "no answer"),
+        ("  can0  703   [1]  05  ; no answer", "no answer"),
+        ("  can0  703   [1]  05  -> here", "here"),
+        ("  can0  703   [1]  05  this is it", "this is it"),
+        ("  can0  080   [0]  <- the first one", "the first one"),
+        ("  can0  703   [1]  05  answer is missing", "answer is missing"),
+        ("  can0  703   [1]  05  TIMEOUT", "TIMEOUT"),
+        ("  can0  703   [1]  05  ← here", "here"),
+    ] {
+        assert_eq!(one(CONSOLE, &format!("{line}\n")).comment(), Some(remark), "{line}");
+    }
+    assert_eq!(one(CONSOLE, "  can0  703   [1]  05   '.'\n").comment(), None, "the data as characters");
+}
+
+#[test]
+fn what_may_be_a_damaged_frame_is_no_remark() {
+    for rest in [
+        "[0]  remOte request",
+        "[1]  05  06",
+        "[1]  05  be careful",
+        "[1]  05   can0  701   [1]  05",
+        "[1]  05  # can0  701   [1]",
+    ] {
+        assert!(items(CONSOLE, &format!("  can0  703   {rest}\n"))[0].is_err(), "{rest}");
+    }
+}
+
+#[test]
+fn a_terminal_and_a_fence_around_frames_are_passed_over() {
+    let text = "```\n$ candump can0\ncan0  605   [1]  40\n^C\n```\n";
+    assert_eq!(items(CONSOLE, text).iter().filter(|item| item.is_ok()).count(), 1);
+    assert_eq!(items(CONSOLE, text).len(), 1);
+    assert!(items(CONSOLE, "$ can0  605   [1]  40\n")[0].is_err(), "a damaged space");
+}
+
+#[test]
 fn directions() {
     let direction = |info: &str| one(CONSOLE, &format!("  can0  {info}  123   [1]  11\n")).direction;
     assert_eq!(direction("TX - -"), Direction::Tx);

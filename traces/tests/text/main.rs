@@ -13,6 +13,12 @@ mod frames;
 #[cfg(test)]
 mod notation;
 #[cfg(test)]
+mod pasted;
+#[cfg(test)]
+mod pasted_forms;
+#[cfg(test)]
+mod pasted_nothing;
+#[cfg(test)]
 mod samples;
 #[cfg(test)]
 mod trc;

@@ -199,3 +199,16 @@ proptest! {
         prop_assert_eq!(read, records);
     }
 }
+
+/// PEAK-Converter writes a table of the buses into the header of version 2.1.
+#[test]
+fn a_table_of_buses_in_the_header_is_no_damage() {
+    let header = ";$FILEVERSION=2.1\n;$STARTTIME=45364.369224537\n;$COLUMNS=N,O,T,B,I,d,R,L,D\n;\n\
+                  ;   Bus  Name         Connection  Protocol\n;   1    PCAN-ROUTER  Channel-0   CAN\n\
+                  ;   2    PCAN-ROUTER  Channel-1   CAN\n;-----\n";
+    let row = "      1     16310.827 DT 1      0770 Rx -  1    05\n";
+    let read = items(TRC, &format!("{header}{row}"));
+    assert_eq!(read.iter().map(|item| item.is_ok()).collect::<Vec<_>>(), [true], "{read:?}");
+    let damaged = items(TRC, &format!("{header};{}", &row[1..]));
+    assert!(damaged.iter().any(|item| item.is_err()), "a row whose first byte is damaged");
+}

@@ -46,7 +46,7 @@ impl Input {
     /// [`OpenError`] of the first capture that can't be opened.
     pub fn open(files: &[ChosenFile], options: &InputOptions, hashed: bool) -> Result<Self, OpenError> {
         let format = options.format.as_deref().and_then(Format::by_id);
-        let read_options = ReadOptions { format, topics: Vec::new() };
+        let read_options = ReadOptions { format, ..ReadOptions::default() };
         let seen = || if hashed { Seen::hashed() } else { Seen::default() };
         let files: Vec<_> = files.iter().map(|file| (file.clone(), seen())).collect();
         let open = |(file, seen): &(ChosenFile, Seen)| {

@@ -26,6 +26,7 @@ impl Surroundings {
             given("to", []),
             given("format-in", format.map(str::to_owned)),
             given("topic", []),
+            given("columns", []),
             flag("same-bus", same_bus),
             flag("strict", false),
         ];

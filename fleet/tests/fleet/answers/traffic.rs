@@ -270,6 +270,7 @@ pub fn write(folder: &Path, format: Format, seed: u64) -> PathBuf {
     let records = traffic(seed, 120 + (seed % 7) as usize * 60, kinds);
     let content = match format {
         Format::CandumpConsole => console(&records).into_bytes(),
+        Format::Pasted => console(&records).lines().map(|line| format!(">{line}\n")).collect::<String>().into_bytes(),
         Format::MiniMon => minimon(&records).into_bytes(),
         Format::Blf => blf(&records),
         _ => written(format, &records, seed),
@@ -298,7 +299,7 @@ const fn kinds(format: Format) -> Kinds {
         Format::MiniMon => Kinds { channels: 1, fd: false, errors: false, comments: false },
         Format::Blf => Kinds { channels: 2, fd: false, errors: false, comments: false },
         Format::Trc => Kinds { channels: 2, fd: false, errors: true, comments: false },
-        Format::CandumpConsole => Kinds { channels: 2, fd: false, errors: false, comments: false },
+        Format::CandumpConsole | Format::Pasted => Kinds { channels: 2, fd: false, errors: false, comments: false },
         Format::Candump | Format::Pcapng => Kinds { channels: 3, fd: true, errors: true, comments: true },
         _ => Kinds { channels: 2, fd: true, errors: true, comments: false },
     }

@@ -1,0 +1,95 @@
+//! The lines from which the meaning of the columns is inferred.
+
+use super::super::clock::Unit;
+use super::super::layout::{Core, Layout};
+use super::super::row::{Row, read};
+use super::super::token::{Kind, Token, tokenise};
+use crate::lines::head_lines;
+
+/// Number of lines that decide.
+const LINES: usize = 300;
+
+/// The lines that decide, each with its tokens.
+pub(super) struct Sample<'a> {
+    lines: Vec<(&'a [u8], Vec<Token>)>,
+    pub(super) hints: Hints,
+}
+
+/// What lines without frames, such as the heads of tables, say of the columns.
+#[derive(Default)]
+pub(super) struct Hints {
+    pub(super) unit: Option<Unit>,
+    /// A column with flags says which identifiers have 29 bits.
+    pub(super) flags: bool,
+    /// A column with cycle times.
+    pub(super) cycle: bool,
+}
+
+impl<'a> Sample<'a> {
+    pub(super) fn new(head: &'a [u8]) -> Self {
+        let mut sample = Self { lines: Vec::new(), hints: Hints::default() };
+        for (line, _) in head_lines(head).filter(|(line, _)| !line.trim_ascii().is_empty()) {
+            let mut tokens = Vec::new();
+            tokenise(line, &mut tokens);
+            let has_value = |token: &Token| token.is_value() || matches!(token.kind, Kind::Notation | Kind::Slcan);
+            if tokens.iter().any(has_value) {
+                sample.lines.push((line, tokens));
+            }
+            if sample.lines.len() < 50 {
+                sample.hints.look_at(line);
+            }
+            if sample.lines.len() == LINES {
+                break;
+            }
+        }
+        sample
+    }
+
+    /// The lines that a layout reads as frames with data, each with its index.
+    pub(super) fn rows(&self, layout: &Layout) -> Vec<(usize, Row)> {
+        let row = |(index, (line, tokens)): (usize, &(&[u8], Vec<Token>))| {
+            let row = read(line, tokens, layout).ok()?;
+            let has_content =
+                row.record.frame.is_remote() || !row.record.frame.is_empty() || layout.core != Core::Apart;
+            has_content.then_some((index, row))
+        };
+        self.lines.iter().enumerate().filter_map(row).collect()
+    }
+
+    /// Number of lines with two or more bytes in a row, or with a whole frame.
+    pub(super) fn alike(&self) -> usize {
+        let is_byte = |token: &Token| token.number().is_some_and(|number| number.digits == 2 && !number.extended);
+        let is_whole = |token: &Token| matches!(token.kind, Kind::Digits | Kind::Notation | Kind::Slcan);
+        let alike =
+            |tokens: &[Token]| tokens.iter().any(is_whole) || tokens.windows(2).any(|pair| pair.iter().all(is_byte));
+        self.lines.iter().filter(|(_, tokens)| alike(tokens)).count()
+    }
+
+    pub(super) fn tokens(&self, line: usize) -> &[Token] {
+        self.lines.get(line).map_or(&[], |(_, tokens)| tokens)
+    }
+
+    pub(super) fn text(&self, line: usize, token: usize) -> &'a [u8] {
+        let line = self.lines.get(line);
+        line.and_then(|(line, tokens)| Some(tokens.get(token)?.text(line))).unwrap_or_default()
+    }
+}
+
+impl Hints {
+    fn look_at(&mut self, line: &[u8]) {
+        let lower = line.to_ascii_lowercase();
+        let has = |text: &str| lower.windows(text.len()).any(|window| window == text.as_bytes());
+        self.flags |= has("identifier flg") || has(" flg ");
+        self.cycle |= has("cycle time");
+        for unit in Unit::ALL {
+            let symbol = unit.symbol();
+            let is_named = has(&format!("[{symbol}]")) || has(&format!("({symbol})"));
+            if is_named && (has("time") || has("offset")) {
+                self.unit = self.unit.or(Some(unit));
+            }
+        }
+        // PEAK's rows have a kind and times in milliseconds.
+        let is_peak = line.split(u8::is_ascii_whitespace).any(|word| word == b"DT");
+        self.unit = self.unit.or(is_peak.then_some(Unit::Millis));
+    }
+}

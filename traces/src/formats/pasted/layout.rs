@@ -1,0 +1,107 @@
+//! The meaning of the columns of pasted lines.
+
+use super::clock::Unit;
+
+/// The meaning of a number before the data.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Role {
+    /// A number without a meaning for the frame, such as that of a line.
+    Skip,
+    Time,
+    Channel,
+    Id,
+    Length,
+}
+
+/// How a line holds its frame.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Core {
+    /// Identifier, length and data are columns.
+    Apart,
+    /// One word in candump's notation.
+    Notation,
+    /// One word in SLCAN's notation.
+    Slcan,
+}
+
+/// How the data are written.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum DataForm {
+    /// Bytes of two hexadecimal digits.
+    Padded,
+    /// All bytes in one word.
+    Compact,
+    /// Bytes of one or two hexadecimal digits.
+    Unpadded,
+    Decimal,
+}
+
+/// What follows the data, apart from a remark.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Behind {
+    Nothing,
+    Time,
+    /// The cycle time and count of a list that has each identifier once.
+    CycleAndCount,
+}
+
+/// The meaning of the columns.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(super) struct Layout {
+    /// The numbers before the data, or before the frame's word.
+    pub(super) before: Vec<Role>,
+    pub(super) core: Core,
+    pub(super) id_is_decimal: bool,
+    /// Whether an identifier of eight digits has 11 bits if nothing says that it has 29.
+    pub(super) wide_is_standard: bool,
+    pub(super) data: DataForm,
+    pub(super) behind: Behind,
+    pub(super) unit: Unit,
+    /// Whether times are differences from the line before.
+    pub(super) differences: bool,
+    pub(super) words: Words,
+}
+
+impl Layout {
+    pub(super) fn new(before: Vec<Role>, core: Core, data: DataForm) -> Self {
+        Self {
+            before,
+            core,
+            id_is_decimal: false,
+            wide_is_standard: false,
+            data,
+            behind: Behind::Nothing,
+            unit: Unit::Seconds,
+            differences: false,
+            words: Words::All,
+        }
+    }
+
+    pub(super) fn has(&self, role: Role) -> bool {
+        self.before.contains(&role)
+    }
+}
+
+/// The unknown words that lines of frames have beside their columns. A line with another word is prose.
+#[derive(Clone, PartialEq, Eq, Debug)]
+pub(super) enum Words {
+    /// Any word.
+    All,
+    /// The words with these hashes.
+    Only(Vec<u64>),
+}
+
+impl Words {
+    pub(super) fn knows(&self, word: &[u8]) -> bool {
+        match self {
+            Self::All => true,
+            Self::Only(hashes) => hashes.contains(&hash(word)),
+        }
+    }
+}
+
+/// FNV-1a of the word in lower case.
+pub(super) fn hash(word: &[u8]) -> u64 {
+    let step = |hash: u64, byte: &u8| (hash ^ u64::from(byte.to_ascii_lowercase())).wrapping_mul(0x0100_0000_01B3);
+    word.iter().fold(0xCBF2_9CE4_8422_2325, step)
+}
