@@ -4,12 +4,10 @@ import { createHash } from "node:crypto";
 import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { dirname, join } from "node:path";
 import { fileURLToPath } from "node:url";
-import { gzipSync } from "node:zlib";
 import { reports } from "./reports.mjs";
 
 const here = dirname(fileURLToPath(import.meta.url));
 const out = process.argv[2];
-const wasm = join(out, "wasm/canvass_web_bg.wasm");
 const ICON =
   "data:image/svg+xml,%3Csvg xmlns='http:%2F%2Fwww.w3.org/2000/svg' viewBox='0 0 16 16'%3E%3Cg fill='none' stroke='%232f6fd6' " +
   "stroke-width='2' stroke-linecap='round'%3E%3Ccircle cx='6.5' cy='6.5' r='4.5'/%3E%3Cpath d='M10 10l4.5 4.5'/%3E%3C/g%3E%3C/svg%3E";
@@ -83,8 +81,8 @@ const MANIFEST = {
 
 const [main, worker] = await Promise.all([bundle("main.js"), bundle("worker.js")]);
 const style = readFileSync(join(here, "src/style.css"), "utf8") + readFileSync(join(ASSETS, "uPlot.min.css"), "utf8");
-const packed = gzipSync(readFileSync(wasm), { level: 9 });
-writeFileSync(join(out, "wasm/canvass_web.wasm.gz"), packed);
+// Compressed where the module was made.
+const packed = readFileSync(join(out, "wasm/canvass_web.wasm.gz"));
 const template = readFileSync(join(here, "src/index.html"), "utf8");
 const allowed = await reports(join(process.cwd(), out, "wasm"));
 

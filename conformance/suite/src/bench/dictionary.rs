@@ -189,7 +189,10 @@ pub(super) fn change(
 /// Whether the value is that of the last write, which acted: a preset or another command. Histories, signatures and
 /// clocks have values of their own.
 fn is_commanded(bench: &Bench<'_>, at: Multiplexer) -> bool {
-    matches!(bench.acting(at), Some(Acting::Commands | Acting::MovesZeroPoint))
+    let described = bench.target.description.as_ref();
+    let entry = described.and_then(|description| description.dictionary.entry(at).ok());
+    let is_written = entry.is_none_or(|entry| entry.access.is_writable());
+    is_written && matches!(bench.acting(at), Some(Acting::Commands | Acting::MovesZeroPoint))
 }
 
 /// Attributes a value that differs between two readings to the device itself, whatever its description says.

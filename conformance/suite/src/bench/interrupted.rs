@@ -68,8 +68,5 @@ fn put_back_memory_of(bench: &mut Bench<'_>, run: &Interrupted) -> Result<Memory
         bench.changes.baseline.stored =
             Some(run.values.iter().filter(|(at, _)| dictionary::is_put_back(bench, *at)).map(Original::from).collect());
     }
-    if run.stored {
-        bench.traffic.watch.assume_loaded();
-    }
     baseline::put_back_memory(bench, run.stored, false)
 }

@@ -216,6 +216,9 @@ pub fn put_back(bench: &mut Bench<'_>, run: &Interrupted) -> Result<Comparison, 
     if case.is_some_and(|case| case.touches.contains(&Touch::BitRate)) {
         bench.traffic.watch.assume_configured_bit_rate();
     }
+    if case.is_some_and(|case| case.touches.contains(&Touch::FactoryDefaults)) {
+        bench.traffic.watch.assume_loaded();
+    }
     let rescue = case.and_then(|case| case.needs.iter().find_map(|need| need.rescue()));
     interrupted::put_back(bench, run, rescue).ok_or(unreachable)
 }

@@ -1,5 +1,6 @@
-//! Times of pasted lines, and the unit of times that are plain numbers.
+//! Times of pasted lines.
 
+use crate::columns::Unit;
 use crate::formats::candump_log::EPOCH_FROM;
 use crate::grammar::{billionths, decimal};
 use crate::{TimeBase, Timestamp};
@@ -7,45 +8,6 @@ use jiff::civil;
 
 const SECOND: u64 = 1_000_000_000;
 const DAY: u64 = 86_400 * SECOND;
-
-/// The unit of times that are plain numbers.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub(super) enum Unit {
-    Seconds,
-    Millis,
-    Micros,
-    Nanos,
-}
-
-impl Unit {
-    pub(super) const ALL: [Self; 4] = [Self::Seconds, Self::Millis, Self::Micros, Self::Nanos];
-
-    pub(super) const fn nanos(self) -> u64 {
-        match self {
-            Self::Seconds => SECOND,
-            Self::Millis => 1_000_000,
-            Self::Micros => 1_000,
-            Self::Nanos => 1,
-        }
-    }
-
-    /// The unit's symbol, as in `time[ms]`.
-    pub(super) const fn symbol(self) -> &'static str {
-        match self {
-            Self::Seconds => "s",
-            Self::Millis => "ms",
-            Self::Micros => "us",
-            Self::Nanos => "ns",
-        }
-    }
-
-    pub(super) fn by_symbol(symbol: &[u8]) -> Option<Self> {
-        match symbol {
-            b"\xC2\xB5s" | b"\xCE\xBCs" => Some(Self::Micros),
-            _ => Self::ALL.into_iter().find(|unit| unit.symbol().as_bytes() == symbol),
-        }
-    }
-}
 
 /// A plain number in a column of times: its value in billionths, and its number of decimals.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

@@ -1,6 +1,6 @@
 //! The meaning of the columns of pasted lines.
 
-use super::clock::Unit;
+use crate::columns::Unit;
 
 /// The meaning of a number before the data.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]

@@ -34,14 +34,14 @@ mod token;
 mod unread;
 mod word;
 
-pub use columns::{Columns, ColumnsError};
 pub use question::Question;
 pub use unread::Unread;
 
+use crate::columns::{Columns, Unit};
 use crate::formats::candump_log::intern;
 use crate::lines::{Line, LineFormat, TextReader};
 use crate::{Channels, Damage, DamageKind, Place, ReadOptions, Reader, Record, Source, TimeBase, Timestamp};
-use clock::{Clock, Unit, date, plain, time_of_day};
+use clock::{Clock, date, plain, time_of_day};
 use layout::Layout;
 use row::{Miss, Row};
 use table::Table;

@@ -1,8 +1,9 @@
 //! Tables whose head names the columns, separated by commas, semicolons or tabs.
 
-use super::clock::{Unit, date, plain, time_of_day, units};
+use super::clock::{date, plain, time_of_day, units};
 use super::question::Question;
 use super::row::Miss;
+use crate::columns::Unit;
 use crate::grammar::nibble;
 use crate::lines::head_lines;
 use crate::{CanId, ChannelId, Direction, Flags, Frame, Record, Timestamp};

@@ -15,6 +15,7 @@ use canvass_traces::{Duration, Record, Timestamp};
 use std::sync::atomic::AtomicBool;
 
 const HEARTBEAT: Multiplexer = Multiplexer::new(0x1017, 0);
+const INHIBIT: Multiplexer = Multiplexer::new(0x1015, 0);
 const GUARD_TIME: Multiplexer = Multiplexer::new(0x100C, 0);
 const STORE: Multiplexer = Multiplexer::new(0x1010, 1);
 const RESTORE: Multiplexer = Multiplexer::new(0x1011, 1);
@@ -112,9 +113,9 @@ fn what_restored_defaults_hide_does_not_stay() {
         baseline::note_zero_point(bench, true);
         let dictionary = dictionary::dump(bench);
         baseline::learn_memory(bench, &dictionary).unwrap();
-        let as_delivered = bench.read_number(HEARTBEAT).unwrap();
+        let as_delivered = bench.read_number(INHIBIT).unwrap();
         bench.begin();
-        bench.write(HEARTBEAT, &[50, 0]).unwrap();
+        bench.write(INHIBIT, &[100, 0]).unwrap();
         bench.write(STORE, b"save").unwrap();
         bench.listen(Duration::from_millis(500)).unwrap();
         bench.write(RESTORE, b"load").unwrap();
@@ -122,7 +123,7 @@ fn what_restored_defaults_hide_does_not_stay() {
         baseline::settle_memory(bench, &[Touch::Nvm, Touch::FactoryDefaults]);
         let comparison = baseline::put_back_device(bench, "sim:x", false, &dictionary);
         assert!(comparison.is_as_found(), "{comparison:?}");
-        assert_eq!([after_a_start(bench, HEARTBEAT), after_a_start(bench, HEARTBEAT)], [as_delivered; 2]);
+        assert_eq!([after_a_start(bench, INHIBIT), after_a_start(bench, INHIBIT)], [as_delivered; 2]);
     });
 }
 

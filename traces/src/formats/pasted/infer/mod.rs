@@ -10,11 +10,12 @@ mod proof;
 mod roles;
 mod sample;
 
-use super::columns::Columns;
+use super::columns::layouts;
 use super::layout::{Core, DataForm, Layout, Role, Words, hash};
 use super::question::Question;
 use super::token::{Kind, Token};
 use super::word::Word;
+use crate::columns::Columns;
 use doubts::{identifiers, length, radix};
 use proof::is_proven;
 use roles::{behind, roles, time};
@@ -24,7 +25,7 @@ use std::collections::BTreeMap;
 /// The layout of lines that begin like `head`; `None` if they hold no frames.
 pub(super) fn infer(head: &[u8], columns: Option<&Columns>) -> Result<Option<Layout>, Question> {
     let sample = Sample::new(head);
-    let candidates = columns.map_or_else(candidates, Columns::layouts);
+    let candidates = columns.map_or_else(candidates, layouts);
     let Some(mut layout) = choose(&sample, candidates, columns.is_some()) else { return Ok(None) };
     layout.wide_is_standard |= sample.hints.flags;
     let rows = sample.rows(&layout);

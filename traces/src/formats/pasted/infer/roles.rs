@@ -1,11 +1,12 @@
 //! The meaning of the numbers beside the identifier and the data, and the unit of the times.
 
-use super::super::clock::{Unit, plain, units};
+use super::super::clock::{plain, units};
 use super::super::layout::{Behind, Core, Layout, Role};
 use super::super::question::{Question, columns_of};
 use super::super::row::Row;
 use super::super::token::{Kind, Token};
 use super::Sample;
+use crate::columns::Unit;
 
 /// Gives the numbers before the identifier their meaning.
 pub(super) fn roles(sample: &Sample<'_>, rows: &[(usize, Row)], layout: &mut Layout) {

@@ -1,9 +1,9 @@
 //! The lines from which the meaning of the columns is inferred.
 
-use super::super::clock::Unit;
 use super::super::layout::{Core, Layout};
 use super::super::row::{Row, read};
 use super::super::token::{Kind, Token, tokenise};
+use crate::columns::Unit;
 use crate::lines::head_lines;
 
 /// Number of lines that decide.
