@@ -169,6 +169,16 @@ fn a_node_that_is_left_stopped() {
     started.only(&[]);
 }
 
+/// A node that goes on sending is not stopped: its disobedience is reported.
+#[test]
+fn a_node_whose_pdos_go_on_is_not_stopped() {
+    let mut traffic = stopped("000#0202", "04");
+    traffic.every(20_002, 40_000, 100, |_| "182#0102030405060708".to_owned());
+    let found = traffic.results().findings;
+    assert!(found.iter().all(|found| found.rule.id != "nodes/left-stopped"), "{found:#?}");
+    assert!(found.iter().any(|found| found.rule.id == "nodes/pdo-outside-operational"), "{found:#?}");
+}
+
 /// All nodes are stopped at the end: the machine is switched off.
 #[test]
 fn a_machine_that_is_stopped() {
@@ -203,6 +213,40 @@ fn a_slave_that_is_left_in_configuration() {
     assert_eq!(head(&results), ("lss/left-in-configuration", Some(3)), "{:#?}", results.stories);
     assert_eq!(results.stories.len(), 1, "{:#?}", results.findings.iter().map(shown).collect::<Vec<_>>());
     assert!(configured_by_lss(false).findings.is_empty());
+}
+
+/// A slave gets another node-ID, and its supply is switched: it is in waiting again.
+#[test]
+fn a_slave_that_starts_anew_is_not_in_configuration() {
+    let mut traffic = Traffic::default();
+    traffic.every(2, 60_000, 500, |_| "702#05".to_owned()).every(3, 12_000, 500, |_| "703#7F".to_owned());
+    traffic.at(5_000, "7E5#0401000000000000").at(5_100, "7E5#5E00000000000000").at(5_102, "7E4#5E03000000000000");
+    traffic.at(5_200, "7E5#1105000000000000").at(5_202, "7E4#1100000000000000");
+    traffic.at(5_300, "7E5#1700000000000000").at(5_302, "7E4#1700000000000000");
+    traffic.at(15_000, "705#00").every(15_500, 60_000, 500, |_| "705#7F".to_owned());
+    let found = traffic.results().findings;
+    assert!(found.iter().all(|found| found.rule.id != "lss/left-in-configuration"), "{found:#?}");
+}
+
+/// What is missing from the capture may have ended the transfer; a reset ends it.
+#[test]
+fn a_transfer_that_a_gap_or_a_reset_may_have_ended() {
+    for reset in [false, true] {
+        let mut traffic = Traffic::default();
+        let end = if reset { 60_000 } else { 20_000 };
+        traffic.every(10, end, 100, |_| "701#05".to_owned()).every(20, end, 100, |_| "704#7F".to_owned());
+        traffic.at(19_900, "604#4008100000000000").at(19_901, "584#410810000E000000");
+        if reset {
+            traffic.at(20_000, "000#8204");
+        } else {
+            traffic.every(80_010, 100_000, 100, |_| "701#05".to_owned());
+            traffic.every(80_020, 100_000, 100, |_| "704#7F".to_owned());
+        }
+        let next = if reset { 22_000 } else { 85_000 };
+        traffic.at(next, "604#4001100000000000").at(next + 1, "584#4F01100000000000");
+        let found = traffic.results().findings;
+        assert!(found.iter().all(|found| found.rule.id != "sdo/unfinished"), "{reset}: {found:#?}");
+    }
 }
 
 /// Node 2 is lost for 20 s; node 3 leaves operational every 8 s, before, during and after.

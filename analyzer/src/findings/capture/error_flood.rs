@@ -10,21 +10,24 @@ use canvass_traces::{Duration, Timestamp};
 /// EMCY codes of nodes that notice errors on the bus: communication, overrun, error passive, recovered from bus-off.
 const OF_BUS: &[u64] = &[0x8100, 0x8110, 0x8120, 0x8140];
 
-/// Effects: nothing gets through.
+/// Effects: hardly a frame gets through.
 const EFFECTS: &[Effect] = &[
     Effect::on(&["capture/error-frames", "capture/error-passive", "capture/bus-off"]).spanning(SETTLE),
-    Effect::on(&["nodes/lost", "nodes/consumer-time", "nodes/life-guarding"]).during(SETTLE, SETTLE),
-    Effect::on(&["nodes/heartbeat-missing", "nodes/heartbeat-late", "nodes/heartbeat-ended"]).during(SETTLE, SETTLE),
+    Effect::on(&["nodes/lost", "nodes/heartbeat-missing", "nodes/heartbeat-late", "nodes/heartbeat-ended"])
+        .during(SETTLE, SOON),
+    Effect::on(&["nodes/consumer-time", "nodes/life-guarding", "nodes/guarding-unanswered"]).during(SETTLE, SETTLE),
     Effect::on(&["emcy/raised"]).with_codes(OF_BUS).during(SOON, SETTLE),
     Effect::on(&["emcy/raised"]).with_codes(MONITORING).during(SOON, SETTLE),
     Effect::never_on(&["bus/duplicate-node-id", "bus/two-producers"]),
-    Effect::on_the_rest().during(SOON, SETTLE),
+    Effect::on(&["pdo/", "sdo/unanswered", "sdo/retries", "sdo/late", "sdo/unfinished", "sdo/protocol-violation"])
+        .during(SOON, SETTLE),
+    Effect::on(&["nodes/state-lost", "nodes/heartbeat-jitter", "capture/gaps"]).during(SOON, SETTLE),
 ];
 
 /// errors disturb the bus again and again
 ///
-/// Error frames follow each other, with short pauses, as frame after frame is destroyed. What nodes do not send
-/// meanwhile is no fault of theirs.
+/// Error frames follow each other, with short pauses, and are at least a fourth of all frames meanwhile: frame after frame
+/// is destroyed. Frames that nodes do not send meanwhile are no fault of these nodes.
 ///
 /// # Why
 /// While errors come at this rate, hardly a frame gets through, of whatever node: the fault is in what all nodes share.
@@ -49,16 +52,26 @@ struct Flood {
     first: Seen,
     last: Timestamp,
     count: u64,
+    /// Number of frames of the bus up to the first one, and up to the last one.
+    frames: [u64; 2],
+}
+
+impl Flood {
+    /// Whether the errors are a considerable part of the traffic: a few in many good frames disturb nobody.
+    fn disturbs(&self) -> bool {
+        const SHARE: u64 = 4;
+        let [first, last] = self.frames;
+        SHARE * self.count >= last.saturating_sub(first)
+    }
 }
 
 impl ErrorFlood {
     /// Ends the flood if its last error frame is long enough ago.
     fn flush(&mut self, now: Option<Timestamp>, sink: &mut Sink<'_>) {
         let ends = |flood: &Flood| now.is_none_or(|now| now.since(flood.last) > self.pause);
-        let Some(Flood { first, last, count }) = self.flood.take_if(|flood| ends(flood)) else { return };
-        if count < self.frames {
-            return;
-        }
+        let is_flood = |flood: &Flood| flood.count >= self.frames && flood.disturbs();
+        let Some(flood) = self.flood.take_if(|flood| ends(flood)).filter(is_flood) else { return };
+        let Flood { first, last, count, .. } = flood;
         let report = Report::at(first.time()).until(last).measure(count).evidence(first.evidence());
         sink.report(report, || {
             let first_error = ErrorFrame::of(&first.record.frame).map(|error| format!("; the first: {error}"));
@@ -69,17 +82,24 @@ impl ErrorFlood {
 
 impl Rule for ErrorFlood {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
-        if !ErrorFrame::of(&context.record.frame).is_some_and(|error| is_error(&error)) {
+        let is_error = ErrorFrame::of(&context.record.frame).is_some_and(|error| is_error(&error));
+        if !is_error || !context.scene.has_times() {
             return;
         }
         self.flush(Some(context.now()), sink);
-        let flood = || Flood { first: context.seen(), last: context.now(), count: 0 };
+        let frames = context.scene.quality.frames.total();
+        let flood = || Flood { first: context.seen(), last: context.now(), count: 0, frames: [frames; 2] };
         let flood = self.flood.get_or_insert_with(flood);
-        (flood.last, flood.count) = (context.now(), flood.count + 1);
+        (flood.last, flood.count, flood.frames[1]) = (context.now(), flood.count + 1, frames);
     }
 
     fn tick(&mut self, scene: &Scene<'_>, sink: &mut Sink<'_>) {
         self.flush(Some(scene.now), sink);
+    }
+
+    fn interrupted(&mut self) {
+        // Pauses across a gap are not known.
+        self.flood = None;
     }
 
     fn finish(&mut self, _: &Scene<'_>, sink: &mut Sink<'_>) {

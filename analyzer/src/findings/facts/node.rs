@@ -30,6 +30,8 @@ pub struct NodeFacts {
     pub last_store: Option<Timestamp>,
     /// Time at which the node's program was last started or stopped (1F50h, 1F51h).
     pub last_program_control: Option<Timestamp>,
+    /// The first boot-up.
+    pub first_boot_up: Option<Timestamp>,
     /// The last boot-up.
     pub last_boot_up: Option<Timestamp>,
     /// Whether the last boot-up only repeated the one before.
@@ -79,9 +81,9 @@ impl NodeFacts {
         self.pending_reset.is_some_and(|reset| self.last_seen.is_none_or(|seen| seen <= reset + QUEUED))
     }
 
-    /// Whether the node has not been seen yet, or was reset and has not booted yet: it can't answer.
-    pub const fn is_absent(&self) -> bool {
-        self.first_seen.is_none() || self.pending_reset.is_some()
+    /// Whether the node has not been seen yet, or was reset and has been silent since: it can't answer.
+    pub fn is_absent(&self) -> bool {
+        self.first_seen.is_none() || self.is_silent_since_reset()
     }
 
     /// Whether a boot-up now only repeats the last one: some devices send two at each start.
@@ -93,7 +95,12 @@ impl NodeFacts {
     /// Notes a boot-up.
     pub(super) fn booted(&mut self, now: Timestamp) {
         let repeats = self.repeats_boot_up(now);
-        self.boots_once |= !repeats && self.last_boot_up.is_some() && !self.repeated_boot_up;
+        // A node that starts again and again sends a third one as soon as the second.
+        let is_third = self.repeated_boot_up
+            && self.pending_reset.is_none()
+            && Self::is_recent(self.last_boot_up, now, Self::TWICE);
+        self.boots_once |= !repeats && self.last_boot_up.is_some() && !self.repeated_boot_up || is_third;
+        self.first_boot_up = self.first_boot_up.or(Some(now));
         (self.last_boot_up, self.repeated_boot_up) = (Some(now), repeats);
         (self.pending_reset, self.has_moved) = (None, false);
     }

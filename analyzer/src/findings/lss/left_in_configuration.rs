@@ -4,7 +4,7 @@ use crate::findings::effect::{Effect, SETTLE, SOON};
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Seen, Severity};
-use crate::message::Message;
+use crate::message::{Message, Service};
 use crate::wire::lss::{Request, Response};
 use canvass_macros::rule;
 use canvass_traces::Duration;
@@ -20,8 +20,8 @@ const EFFECTS: &[Effect] = &[
 /// an LSS slave is left in configuration state
 ///
 /// The master has switched slaves to configuration state, one by its address or all, and does not switch them back to
-/// waiting until the capture ends, or for a long time. The node is known where its node-ID was inquired; as long as it
-/// goes on sending messages, or is not known, this is only worth knowing.
+/// waiting until the capture ends, or for a long time. A boot-up of the node also ends the state. The node is known if
+/// its node-ID was inquired. If it continues to send messages, or is not known, the severity is info.
 ///
 /// # Why
 /// Some devices do nothing else while they are in configuration state, others keep the new node-ID waiting until they
@@ -29,7 +29,7 @@ const EFFECTS: &[Effect] = &[
 ///
 /// # What to do
 /// Send switch state global with mode 0 (04h 00h) after each configuration, also after one that failed.
-#[rule(id = "lss/left-in-configuration", severity = Warning, rank = State, services = [Lss], leads_to = EFFECTS)]
+#[rule(id = "lss/left-in-configuration", severity = Warning, rank = State, services = [Lss, BootUp], leads_to = EFFECTS)]
 struct LeftInConfiguration {
     /// time without LSS messages after which the slave counts as left
     #[threshold(ms = 5000)]
@@ -45,11 +45,21 @@ struct Configuring {
     last: Seen,
     /// The node-ID, as far as it is known.
     node: Option<NodeId>,
+    /// The node-ID that the slave gets.
+    next: Option<NodeId>,
+}
+
+impl Configuring {
+    /// Whether the boot-up of a node shows that the slave has left the state: after a start it waits. A slave of which no
+    /// node-ID is known may be any node.
+    fn ends_with(&self, node: Option<NodeId>) -> bool {
+        self.node.is_none() || node.is_some() && (node == self.node || node == self.next)
+    }
 }
 
 impl LeftInConfiguration {
-    fn flush(&mut self, scene: &Scene<'_>, sink: &mut Sink<'_>) {
-        let Some(Configuring { switched, last, node }) = self.state.take() else { return };
+    fn flush(&mut self, left: bool, scene: &Scene<'_>, sink: &mut Sink<'_>) {
+        let Some(Configuring { switched, last, node, .. }) = self.state.take() else { return };
         let silence = scene.now.since(last.time());
         if silence <= self.wait {
             return;
@@ -60,7 +70,9 @@ impl LeftInConfiguration {
         let is_silent = seen.is_some_and(|seen| scene.now.since(seen) > self.wait);
         let report = if is_silent { report } else { report.severity(Severity::Info) };
         sink.report(report, || {
-            format!("switched to configuration state, and not back to waiting; the last LSS message came {silence} ago")
+            let end = if left { "back to waiting only" } else { "not back to waiting" };
+            let since = if left { "after the LSS message before" } else { "ago came the last LSS message" };
+            format!("switched to configuration state, and {end}: {silence} {since}")
         });
     }
 }
@@ -68,12 +80,21 @@ impl LeftInConfiguration {
 impl Rule for LeftInConfiguration {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         if sender(context.message()) == Some(Sender::Master) && is_leave(context.message()) {
-            return self.flush(context.scene, sink);
+            return self.flush(true, context.scene, sink);
+        }
+        if context.decoded.service == Service::BootUp {
+            self.state.take_if(|state| state.ends_with(context.node()));
+            return;
         }
         match *context.message() {
             Message::LssRequest(Request::SwitchGlobal { mode: 1 }) | Message::LssResponse(Response::Switched) => {
-                let node = None;
-                self.state = Some(Configuring { switched: context.seen(), last: context.seen(), node });
+                let (switched, last) = (context.seen(), context.seen());
+                self.state = Some(Configuring { switched, last, node: None, next: None });
+            }
+            Message::LssRequest(Request::ConfigureNodeId { node_id: next }) => {
+                if let Some(state) = &mut self.state {
+                    state.next = NodeId::new(next);
+                }
             }
             Message::LssResponse(Response::NodeId(node)) => {
                 if let Some(state) = &mut self.state {
@@ -92,6 +113,6 @@ impl Rule for LeftInConfiguration {
     }
 
     fn finish(&mut self, scene: &Scene<'_>, sink: &mut Sink<'_>) {
-        self.flush(scene, sink);
+        self.flush(false, scene, sink);
     }
 }

@@ -198,6 +198,12 @@ impl CommandNotObeyed {
     fn shown(&mut self, node: NodeId, state: State, context: &Context<'_>, sink: &mut Sink<'_>) {
         let watched = &mut self.nodes[node];
         let Some(pending) = &mut watched.pending else { return };
+        // A node that appears long after the command was not there to hear it.
+        let is_new = context.scene.facts.node(node).last_seen.is_none();
+        if is_new && context.now().since(pending.command.time()) > self.patience {
+            watched.pending = None;
+            return;
+        }
         let is_reset = pending.expected == State::BOOT_UP;
         let period = context.scene.facts.heartbeats.of(node).period();
         let goes_on = is_reset && pending.goes_on(context.now(), state, period);

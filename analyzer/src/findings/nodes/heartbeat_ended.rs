@@ -43,7 +43,7 @@ impl Rule for HeartbeatEnded {
             let facts = scene.facts.node(node);
             // A device without boot-up message need not send after a reset.
             let is_lost = scene.facts.outage(node, scene.now).is_some();
-            if !is_late || is_lost || facts.is_resetting(scene.now) || facts.is_storing(scene.now) {
+            if !is_late || is_lost || facts.has_moved || facts.is_resetting(scene.now) || facts.is_storing(scene.now) {
                 continue;
             }
             let report = Report::at(last).node(node).evidence(seen.evidence());

@@ -35,11 +35,21 @@ struct Stop {
     command: Seen,
     expected: State,
     /// The TPDOs that came until the command.
-    pdos: Vec<String>,
+    pdos: Vec<(u16, String)>,
+}
+
+impl Stop {
+    /// The numbers of TPDOs that go on although the node should have stopped; those that were queued don't count.
+    fn goes_on(&self, node: NodeId, scene: &Scene<'_>) -> Vec<u16> {
+        const QUEUED: Duration = Duration::from_millis(100);
+        let from = self.command.time() + QUEUED;
+        let rows = scene.facts.streams.all().filter(|row| row.0 == node);
+        rows.filter(|row| row.2.last.is_some_and(|last| last > from)).map(|row| row.1).collect()
+    }
 }
 
 /// The TPDOs that a node has sent until now, with their periods as far as they are known.
-fn pdos(node: NodeId, scene: &Scene<'_>) -> Vec<String> {
+fn pdos(node: NodeId, scene: &Scene<'_>) -> Vec<(u16, String)> {
     let lately = Duration::from_secs(2);
     let rows = scene.facts.streams.all().filter(|row| row.0 == node);
     let rows = rows.filter(|row| row.2.last.is_some_and(|last| scene.now.since(last) <= lately));
@@ -47,7 +57,7 @@ fn pdos(node: NodeId, scene: &Scene<'_>) -> Vec<String> {
         let period = period.map(|period| format!(" (every {period})")).unwrap_or_default();
         format!("{}{period}", PdoNumber::Transmit(number))
     };
-    rows.map(|(_, number, stream)| name(number, stream.period())).collect()
+    rows.map(|(_, number, stream)| (number, name(number, stream.period()))).collect()
 }
 
 impl Rule for LeftStopped {
@@ -83,14 +93,19 @@ impl Rule for LeftStopped {
         let other_operates = NodeId::all()
             .any(|node| self.nodes[node].is_none() && state(node) == Some(State::OPERATIONAL) && lives(node));
         for (node, stop) in self.nodes.iter() {
-            let Some(Stop { command, expected, pdos }) = stop.as_deref() else { continue };
+            let Some(stop @ Stop { command, expected, pdos }) = stop.as_deref() else { continue };
             let lasted = scene.now.since(command.time());
+            // The rule nodes/pdo-outside-operational reports a node that goes on sending.
+            if !stop.goes_on(node, scene).is_empty() {
+                continue;
+            }
             let obeys = state(node) == Some(*expected) && lives(node) && other_operates;
             if lasted <= self.least || !obeys {
                 continue;
             }
             let report = Report::at(command.time()).until(scene.now).node(node).evidence(command.evidence());
             sink.report(report, || {
+                let pdos: Vec<&str> = pdos.iter().map(|(_, name)| name.as_str()).collect();
                 let pdos =
                     if pdos.is_empty() { String::new() } else { format!("; ended with it: {}", pdos.join(", ")) };
                 format!(

@@ -5,16 +5,17 @@ use canvass_macros::rule;
 
 /// a node sends its boot-up message twice
 ///
-/// Within half a second after a boot-up, without a command in between, the node sends another one, as it does at each of
-/// its starts. The rule nodes/boot-up-without-command reports a second boot-up of a node that usually sends one.
+/// Within half a second after a boot-up, without a command in between, another one comes from the same node-ID. The rule
+/// nodes/boot-up-without-command reports the second boot-up of a node that has sent a single one at another start.
 ///
 /// # Why
 /// CiA 301 demands one boot-up message for each start. A master that starts the node after the first message may find it
 /// in pre-operational again after the second one, or count a restart.
 ///
 /// # What to do
-/// Let the master wait half a second after the boot-up before it configures the node. The firmware sends the message from
-/// two places, or restarts itself once: ask its maker.
+/// If it happens at each start, the firmware sends the message from two places, or restarts itself once: ask its maker,
+/// and let the master wait half a second before it configures the node. If not, look for a second device with the same
+/// node-ID that was switched on at the same time, and for a supply that dips.
 #[rule(id = "nodes/starts-twice", severity = Info, rank = Detail, services = [BootUp])]
 struct StartsTwice;
 

@@ -1,4 +1,6 @@
+use super::unanswered::is_misplaced_answer;
 use crate::findings::effect::{Effect, SETTLE};
+use crate::findings::facts::RequestEvent;
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen};
@@ -96,6 +98,12 @@ impl Rule for ReservedBits {
         let at = usize::from(channel.0);
         if self.channels.len() <= at {
             self.channels.resize_with(at + 1, Channel::default);
+        }
+        // An answer on the CAN-ID of requests is right in itself: the rule sdo/unanswered reports its CAN-ID.
+        if let RequestEvent::GivenUp(pending) = &context.news().request
+            && is_misplaced_answer(pending, context)
+        {
+            return;
         }
         let channel = &mut self.channels[at];
         let fault = fault(context.message(), context.record.frame.data());

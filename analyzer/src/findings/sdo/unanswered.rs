@@ -85,7 +85,7 @@ fn tell(
 
 /// Whether a message on the client's CAN-ID looks like the server's answer to a read request: a read request has no
 /// bits set after its command specifier.
-fn is_misplaced_answer(pending: &Pending, context: &Context<'_>) -> bool {
+pub(super) fn is_misplaced_answer(pending: &Pending, context: &Context<'_>) -> bool {
     const SPECIFIER: u8 = 0xE0;
     let reads = |message: &Message| matches!(message, Message::SdoRequest(Request::InitiateUpload { .. }));
     let has_size = context.record.frame.data().first().is_some_and(|command| command & !SPECIFIER != 0);
@@ -187,8 +187,10 @@ impl Rule for Unanswered {
         let is_scan = asked as u64 >= self.scan;
         for (node, request) in self.absent.iter_mut() {
             let Some((request, message)) = request.take().map(|absent| *absent) else { continue };
-            let first = scene.facts.node(node).first_seen;
-            if first.is_none() && is_scan || first.is_some() && scene.facts.node(node).last_boot_up.is_some() {
+            let facts = scene.facts.node(node);
+            let first = facts.first_seen;
+            // The rule sdo/too-early reports requests to a node that has not booted yet.
+            if first.is_none() && is_scan || first.is_some() && first == facts.first_boot_up {
                 continue;
             }
             let report = Report::at(request.time()).node(node).evidence(request.evidence());

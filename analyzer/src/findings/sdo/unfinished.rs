@@ -6,8 +6,9 @@ use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Seen};
 use crate::network::Event;
 use crate::network::sdo::{Direction, Transfer};
+use crate::wire::nmt::Command;
 use canvass_macros::rule;
-use canvass_traces::Duration;
+use canvass_traces::{Duration, Timestamp};
 
 /// Effects: messages that a transfer gets which nobody continues.
 const EFFECTS: &[Effect] = &[Effect::on(&["sdo/protocol-violation", "sdo/aborted"]).of_same_node().spanning(SOON)];
@@ -30,6 +31,9 @@ struct Unfinished {
     /// silence after which an open transfer counts as left at the end of the capture
     #[threshold(ms = 2000)]
     wait: Duration,
+    /// Whether frames may be missing since the last message, and the time from which on none is missing.
+    gap: bool,
+    whole_since: Option<Timestamp>,
 }
 
 /// The progress of a transfer, in words.
@@ -39,6 +43,9 @@ fn progress(transfer: &Transfer) -> String {
         Direction::Download => "written",
     };
     match (transfer.length(), transfer.announced) {
+        (length, Some(announced)) if length >= announced.into() => {
+            format!("all {length} bytes {done}, but without a last segment")
+        }
         (length, Some(announced)) => format!("{length} of {announced} bytes {done}"),
         (1, None) => format!("1 byte {done}"),
         (length, None) => format!("{length} bytes {done}"),
@@ -61,15 +68,33 @@ fn is_answered(transfer: &Transfer) -> bool {
     transfer.latest > transfer.started
 }
 
+/// Whether a command has ended the transfer.
+fn was_reset(node: NodeId, transfer: &Transfer, scene: &Scene<'_>) -> bool {
+    scene.facts.node(node).command.is_some_and(|(command, at)| {
+        at >= transfer.latest && matches!(command, Command::RESET_NODE | Command::RESET_COMMUNICATION | Command::STOP)
+    })
+}
+
+impl Unfinished {
+    /// Whether the end of the transfer may have been in frames that are missing, or a command has ended it.
+    fn is_excused(&self, node: NodeId, transfer: &Transfer, scene: &Scene<'_>) -> bool {
+        self.whole_since.is_some_and(|since| transfer.latest < since) || was_reset(node, transfer, scene)
+    }
+}
+
 impl Rule for Unfinished {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
+        if std::mem::take(&mut self.gap) {
+            self.whole_since = Some(context.now());
+        }
         let (Some(node), Some(channel)) = (context.node(), context.decoded.channel) else { return };
         let is_left = |event: &Event| matches!(event, Event::TransferLeft(left) if *left == channel);
         let unanswered = matches!(context.news().request, RequestEvent::GivenUp(_) | RequestEvent::Repeated);
         if unanswered || !context.scene.bus.events().iter().any(is_left) {
             return;
         }
-        let Some(transfer) = context.scene.bus.left_transfer(channel).filter(|left| is_answered(left)) else { return };
+        let left = context.scene.bus.left_transfer(channel).filter(|left| is_answered(left));
+        let Some(transfer) = left.filter(|left| !self.is_excused(node, left, context.scene)) else { return };
         let report = report(node, transfer).evidence(context.previous.map(Seen::evidence));
         sink.report(report.evidence(context.evidence()), || {
             let (direction, object) = (transfer.direction, transfer.multiplexer);
@@ -78,8 +103,15 @@ impl Rule for Unfinished {
         });
     }
 
+    fn interrupted(&mut self) {
+        self.gap = true;
+    }
+
     fn finish(&mut self, scene: &Scene<'_>, sink: &mut Sink<'_>) {
         for (node, transfer) in scene.bus.open_transfers() {
+            if self.gap || self.is_excused(node, transfer, scene) {
+                continue;
+            }
             let silence = scene.now.since(transfer.latest);
             let pending =
                 |(_, pending): (_, &crate::findings::facts::Pending)| pending.request.decoded.node == Some(node);

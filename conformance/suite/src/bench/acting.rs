@@ -50,7 +50,7 @@ impl Bench<'_> {
             // The value that is put back was written with the user's leave.
             self.allowed(Touch::Nvm, true, at)
                 .or_else(|stop| if self.traffic.restoring { Ok(()) } else { Err(stop) })?;
-            self.changes.wrote_memory = true;
+            self.changes.note_memory_written()?;
         }
         Ok(())
     }

@@ -124,6 +124,12 @@ impl Changes {
         let _ = self.journal.as_mut().map_or(Ok(()), Journal::settle);
     }
 
+    /// Records that the device is about to store a written value at once: no command to store shows that.
+    pub(super) fn note_memory_written(&mut self) -> Result<(), Stop> {
+        self.wrote_memory = true;
+        self.journal.as_mut().map_or(Ok(()), |journal| written(journal.store()))
+    }
+
     /// Records a frame that is about to be sent to this node.
     pub(super) fn journal_frame(&mut self, frame: &Frame, node: NodeId) -> Result<(), Stop> {
         let (Some(journal), Some(cob_id)) = (&mut self.journal, frame.cob_id()) else { return Ok(()) };

@@ -3,10 +3,11 @@
 use super::baseline::{Baseline, MemoryLeft};
 use super::rewrite::Original;
 use super::{Bench, Rescue, baseline, dictionary, rewrite};
-use crate::comparison::Comparison;
+use crate::comparison::{Change, Comparison};
 use crate::journal::{Head, Interrupted};
 use crate::verdict::Stop;
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object::Acting;
 use canvass_analyzer::wire::nmt::Command;
 use std::io;
 
@@ -56,6 +57,16 @@ fn put_back_all(bench: &mut Bench<'_>, run: &Interrupted, rescue: Option<Rescue>
     bench.changes.leave(unrestored);
     let comparison = dictionary::put_back_dictionary(bench, &run.bus, &run.values);
     Some(baseline::with_memory(bench, comparison, &run.bus, &run.values, memory))
+}
+
+/// The presets that the interrupted case may have written and that only power-on shows: they are named, as nobody can
+/// read or write them without moving the zero point.
+pub(crate) fn unseen_presets(bench: &mut Bench<'_>, run: &Interrupted) -> Vec<Change> {
+    let is_hidden = |at: Multiplexer| {
+        bench.acting(at) == Some(Acting::MovesZeroPoint) && bench.stores_at_once(at) && baseline::is_unseen(bench, at)
+    };
+    let hidden = run.values.iter().filter(|(at, _)| is_hidden(*at));
+    hidden.map(|(at, value)| dictionary::change(bench, *at, Some(value.clone()), None)).collect()
 }
 
 /// Undoes the stores of the interrupted case: stores the values that a start loaded before the run. If the journal does

@@ -220,7 +220,11 @@ pub fn put_back(bench: &mut Bench<'_>, run: &Interrupted) -> Result<Comparison, 
         bench.traffic.watch.assume_loaded();
     }
     let rescue = case.and_then(|case| case.needs.iter().find_map(|need| need.rescue()));
-    interrupted::put_back(bench, run, rescue).ok_or(unreachable)
+    let mut comparison = interrupted::put_back(bench, run, rescue).ok_or(unreachable)?;
+    if case.is_some_and(|case| case.touches.contains(&Touch::Preset)) {
+        comparison.changes.extend(interrupted::unseen_presets(bench, run));
+    }
+    Ok(comparison)
 }
 
 /// Whether a case could not be judged because the device has no description.

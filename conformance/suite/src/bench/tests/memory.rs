@@ -3,7 +3,8 @@
 
 #![cfg(test)]
 
-use super::super::{Bench, Options, Target, baseline, dictionary};
+use super::super::{Bench, Options, Target, baseline, dictionary, interrupted};
+use crate::journal::Interrupted;
 use crate::touch::Touch;
 use crate::verdict::Stop;
 use canvass_analyzer::Multiplexer;
@@ -258,6 +259,35 @@ fn what_is_stored_at_once_is_written_with_leave_only() {
         })
     };
     assert_eq!((written(&[]), written(&[Touch::Preset]), written(&[Touch::Nvm])), (false, false, true));
+}
+
+/// The journal says that the memory was written, though no command to store was sent: who restores the device after a kill
+/// writes its memory, too, and names a preset that only power-on shows.
+#[test]
+fn a_value_that_is_stored_at_once_is_in_the_journal() {
+    const TIMER: Multiplexer = Multiplexer::new(0x6200, 0);
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("journal");
+    let model = Model::by_id("tr-c65").unwrap();
+    let mut bus = SimulatedBus::new(model.default_bit_rate());
+    let node = model.default_node().unwrap();
+    bus.attach(Box::new(Device::new(model, Some(node), Firmware::from(Faults::NONE), 0)));
+    bus.receive(Timestamp::ZERO + Duration::from_secs(6)).unwrap();
+    let (target, cancel) = (Target::of(model, node), AtomicBool::new(false));
+    let options = Options { allow: [Touch::Nvm].into(), journal: Some(path.clone()), ..Options::default() };
+    let mut annotate = |record: &Record| record.frame.to_string();
+    let mut bench = Bench::new(&mut bus, &target, &options, &mut annotate, &cancel);
+    let dictionary = dictionary::dump(&mut bench);
+    interrupted::begin_journal(&mut bench, "sim:x", false, &dictionary).unwrap();
+    bench.changes.begin_case("406/cyclic-timer/period", &[Touch::Nvm]).unwrap();
+    let read = || Interrupted::read(&std::fs::read_to_string(&path).unwrap()).unwrap();
+    assert!(!read().stored);
+    bench.write(TIMER, &[100, 0]).unwrap();
+    let run = read();
+    assert!(run.stored);
+    let presets: Vec<_> =
+        interrupted::unseen_presets(&mut bench, &run).iter().map(|change| change.multiplexer).collect();
+    assert_eq!(presets, [PRESET]);
 }
 
 /// A device that is not an encoder has no zero point, whatever it answers at 6004h.
