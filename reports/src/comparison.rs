@@ -202,8 +202,8 @@ impl Comparison {
         self.changes.iter().filter(move |change| change.direction == direction)
     }
 
-    /// Marks regressions that were bad in an earlier release before the two compared. `earlier` is sorted, oldest
-    /// first.
+    /// Marks a regression as returned if its case was already bad in one of the releases `earlier`, which come before
+    /// the two compared releases. `earlier` is sorted, oldest first; the latest such release is named.
     pub fn recall(&mut self, earlier: &[(String, TestResult)]) {
         let was_bad = |(_, result): &&(String, TestResult), id: &str| result.failed().any(|failed| failed == id);
         for change in self.changes.iter_mut().filter(|change| change.is_regression()) {

@@ -88,7 +88,8 @@ fn every_command_in_a_block_of_code_is_taken() {
     assert!(count > 60, "{count}");
 }
 
-/// Commands in running text have placeholders; the test checks their names and options.
+/// Commands in running text contain placeholders, so the test checks only the names of commands and options, and
+/// whether options exclude each other.
 #[test]
 fn every_command_in_the_text_is_known() {
     let mut count = 0;

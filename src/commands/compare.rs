@@ -23,8 +23,8 @@ pub struct Args {
     /// Accept cases that only the old result has, because they were left out on purpose
     #[arg(long)]
     allow_missing: bool,
-    /// Results of releases before OLD, oldest first. A case that was bad in one of them, but not in OLD, is reported
-    /// as returned
+    /// Results of releases before OLD, oldest first. A case that is bad in NEW and was bad in one of them, but not in
+    /// OLD, is reported as returned
     #[arg(long, value_name = "[RELEASE=]FILE")]
     earlier: Vec<String>,
     #[command(flatten)]

@@ -24,8 +24,8 @@ pub struct Args {
     /// The device: a built-in model, or an EDS or DCF file (default: the device that the journal names)
     #[arg(long, value_name = "[NODE=]MODEL|FILE")]
     device: Option<String>,
-    /// Timeouts, such as sdo=500ms: sdo, store, lss, boot-up, reaction, silence, client (a client of slcan:listen://
-    /// connects), reconnect (an interrupted bus is back, default 2min)
+    /// Timeouts, such as sdo=500ms: sdo, store, lss, boot-up, reaction, silence, client (for a client of
+    /// slcan:listen:// to connect, default 10s), reconnect (for an interrupted bus to come back, default 2min)
     #[arg(long, value_name = "WHAT=SPAN", value_delimiter = ',')]
     timeout: Vec<Timeout>,
 }

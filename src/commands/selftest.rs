@@ -77,9 +77,9 @@ impl Args {
         }
         cases.retain(|case| self.fault.iter().any(|fault| case.catches.contains(fault)));
         match self.fault.iter().find(|fault| !cases.iter().any(|case| case.catches.contains(fault))) {
-            Some(idle) => {
-                Err(Failure::unreachable(anyhow!("no case was executed: no selected case names the fault {idle}")))
-            }
+            Some(idle) => Err(Failure::unreachable(anyhow!(
+                "no case was executed: no selected case has to find the fault {idle}"
+            ))),
             None => Ok((cases, self.fault.clone())),
         }
     }

@@ -93,8 +93,8 @@ pub struct Args {
     /// Overwrite the files of --record and --bundle if they exist
     #[arg(long)]
     force: bool,
-    /// Timeouts, such as sdo=500ms: sdo, store, lss, boot-up, reaction, silence, client (a client of slcan:listen://
-    /// connects), reconnect (an interrupted bus is back, default 2min)
+    /// Timeouts, such as sdo=500ms: sdo, store, lss, boot-up, reaction, silence, client (for a client of
+    /// slcan:listen:// to connect, default 10s), reconnect (for an interrupted bus to come back, default 2min)
     #[arg(long, value_name = "WHAT=SPAN", value_delimiter = ',')]
     timeout: Vec<Timeout>,
     /// Permitted deviation of the mean of a period, in percent

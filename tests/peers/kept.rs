@@ -1,4 +1,4 @@
-//! Losses of formats and peers, as functions on frames.
+//! Functions that change a frame in the way in which a format or a peer loses information.
 
 use crate::recording::Seen;
 use canvass_traces::{Direction, ErrorClass, Flags, Frame, Record, Timestamp};

@@ -35,7 +35,8 @@ impl Installed {
         command
     }
 
-    /// Windows looks for libraries in the folder of the program.
+    /// The program to run. On Windows it is a copy beside the stand-in library, because Windows looks for libraries in
+    /// the folder of the program.
     fn program(&self) -> PathBuf {
         let built = PathBuf::from(env!("CARGO_BIN_EXE_canvass"));
         if !cfg!(windows) {

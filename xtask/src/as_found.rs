@@ -5,7 +5,7 @@ use crate::peers;
 use crate::run::run;
 use anyhow::Result;
 
-/// The example with the simulated device that the judge drives, and the program.
+/// The program of the simulated device, which the judge controls (built with canvass by `--bin lockstep`).
 const LOCKSTEP: &str = "target/debug/lockstep";
 const CANVASS: &str = "target/debug/canvass";
 const JUDGE: &str = "tests/peers/as_found";

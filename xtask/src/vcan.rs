@@ -50,7 +50,7 @@ const OPTIMISED: [&str; 7] = ["analyzer", "bus", "device", "fuzzer", "reports", 
 struct Job {
     /// The program under test.
     program: PathBuf,
-    /// The program to start repeatedly: the tests.
+    /// The program that is started once for each name: the tests on vcan, or this program itself in [`on_machines`].
     starts: PathBuf,
     /// The arguments of `starts` before and after a test's name.
     arguments: [String; 2],

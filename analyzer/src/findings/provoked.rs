@@ -1,5 +1,5 @@
-//! Findings during the cases of a conformance run, which markers in the capture delimit: a case provoked them, and
-//! they are reported with the case.
+//! Adds to each finding the conformance case during which it first occurred. Markers in the capture show when each case
+//! began and ended.
 
 use super::finding::Finding;
 use crate::statistics::{BusStatistics, TestCase};

@@ -1,5 +1,5 @@
-//! Each rule of device descriptions finds a random damage: a right file, changed at a random place so that it breaks
-//! the rule, has a finding of this very rule at this place.
+//! Checks every rule of device descriptions with random damage. A test takes a correct file and changes it at a random
+//! place so that it breaks one rule. `check` must then report this rule at this place.
 //!
 //! The right files are random descriptions, which have no finding at all, and the descriptions of the built-in models.
 

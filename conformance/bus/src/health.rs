@@ -183,8 +183,8 @@ impl Latencies {
         self.0.iter().sum()
     }
 
-    /// A duration that this share of all durations does not exceed, at most twice the exact quantile; `None` if nothing
-    /// was counted.
+    /// The upper bound of the bucket that contains the quantile `per_mille`/1000: at most twice the exact value. `None`
+    /// if no duration was counted.
     pub fn quantile(&self, per_mille: u64) -> Option<Duration> {
         let total = self.count();
         let rank = (total * per_mille).div_ceil(1_000).max(1);

@@ -19,8 +19,8 @@ enum Detail {
     Line,
 }
 
-/// The findings. A text for a terminal has `room` lines. It contains the findings in full if they fit, otherwise in
-/// short, and otherwise the last ones in one line each.
+/// The stories of a diagnosis. On a terminal with `room` lines they are shown in full if they fit, or else in short. If
+/// they do not fit in short either, the first are in short, the next in one line each, and the rest is counted.
 pub fn blocks(report: &DiagnosisReport<'_>, depth: Depth, room: usize) -> Vec<Block> {
     let diagnosed = report.diagnosed;
     let all: Vec<Told<'_>> = story::all(diagnosed).collect();

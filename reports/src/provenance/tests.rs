@@ -1,4 +1,4 @@
-//! Every format shows the whole provenance, and no text of it does harm.
+//! Every format shows the whole provenance, and neutralises control characters and markup in its texts.
 
 use super::*;
 

@@ -72,7 +72,7 @@ pub struct Choice {
     pub by: Word,
     /// The value where none is given.
     pub default: Vec<String>,
-    /// As it is typed, without its hyphens.
+    /// The name of the option on the command line, without the leading hyphens.
     pub name: String,
     pub value: Vec<String>,
 }

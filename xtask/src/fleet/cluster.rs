@@ -20,7 +20,8 @@ impl Cluster {
     pub fn start(fleet: &str, executors: usize) -> Result<Self> {
         let mut cluster = Self { address: String::new(), processes: Vec::new() };
         let said = cluster.process(fleet, &["scheduler", "--bind", "127.0.0.1:0"], "scheduler at ")?;
-        let address = said.rsplit(' ').next().context("the scheduler reports its address")?;
+        let address =
+            said.rsplit(' ').next().context("expected \"scheduler at ADDRESS\" in the output of the scheduler")?;
         for _ in 0..executors {
             let words = ["executor", "--scheduler", address, "--bind", "127.0.0.1:0", "--tasks", "1"];
             cluster.process(fleet, &words, "arrow flight")?;

@@ -59,7 +59,7 @@ pub fn read() -> Result<()> {
     ensure!(expected.lines().count() > 5, "the lake has only {expected}");
     for (example, python) in EXAMPLES {
         let found = output(python, &[example, &lake])?;
-        ensure!(found == expected, "{example} finds\n{found}and canvass-fleet\n{expected}");
+        ensure!(found == expected, "{example}: expected the rows of canvass-fleet\n{expected}found\n{found}");
         eprintln!("{example}: the same {} rows", expected.lines().count() - 1);
     }
     Ok(())

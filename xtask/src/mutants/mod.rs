@@ -90,7 +90,10 @@ pub fn mutants(args: &[String]) -> Result<()> {
 
 fn ensure_current(reviewed: &Reviewed, all: &[Mutant]) -> Result<()> {
     let stale = reviewed.stale(all);
-    ensure!(stale.is_empty(), "equivalent mutants of code that is not there any more: {stale:#?}");
+    ensure!(
+        stale.is_empty(),
+        "the code of these rows in xtask/equivalent-mutants*.toml no longer exists, remove them: {stale:#?}"
+    );
     Ok(())
 }
 

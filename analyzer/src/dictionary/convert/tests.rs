@@ -38,7 +38,8 @@ fn files() -> Vec<(PathBuf, Vec<u8>)> {
     files
 }
 
-/// The meaning of a description: without lines, problems and the parts that a writer generates.
+/// Normalises a description for a comparison: removes line numbers, problems and the parts that a writer generates, and
+/// fills in the numbers of `DeviceInfo` from 1018h.
 fn meaning(mut description: DeviceDescription) -> DeviceDescription {
     prepare::expand(&mut description);
     description.problems.clear();

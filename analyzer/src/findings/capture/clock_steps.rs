@@ -18,7 +18,7 @@ use canvass_traces::Duration;
 /// recording.
 #[rule(id = "capture/clock-steps", severity = Warning, rank = Detail, of = capture)]
 struct ClockSteps {
-    /// the least length of the largest step
+    /// minimum length of the largest backward step
     #[threshold(ms = 20)]
     least: Duration,
 }

@@ -44,7 +44,7 @@ impl Rule for Unanswered {
         match sender(context.message()) {
             Some(Sender::Master) => {
                 if let Some(open) = self.open.take() {
-                    Self::tell(&open, "the master goes on", sink);
+                    Self::tell(&open, "the master sent its next message before an answer", sink);
                 }
                 self.open = wants_answer(context.message()).then(|| context.seen());
             }

@@ -10,7 +10,7 @@ use canvass_macros::rule;
 use canvass_traces::{Duration, Timestamp};
 use std::rc::Rc;
 
-/// Effects: messages that show the state in which the node has stayed.
+/// Rules whose findings follow from this one: the node acts by the state that it has not left.
 const EFFECTS: &[Effect] =
     &[Effect::on(&["nodes/pdo-outside-operational", "nodes/sdo-in-stopped", "nodes/no-boot-up"]).of_same_node()];
 

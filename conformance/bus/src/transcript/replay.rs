@@ -43,7 +43,8 @@ struct Answers {
     changes: VecDeque<(u64, Health)>,
 }
 
-/// The next answer of a list, if the number of questions before it has been asked.
+/// Counts one question. Returns the next recorded answer if the answer changed at this question; `None` if the previous
+/// answer still holds.
 fn next<T>(row: &mut VecDeque<(u64, T)>) -> Option<T> {
     match row.front_mut() {
         Some((0, _)) => row.pop_front().map(|(_, answer)| answer),

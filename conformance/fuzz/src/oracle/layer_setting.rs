@@ -413,8 +413,8 @@ mod tests {
         assert_eq!(unknown.end::<Part>(), None, "the first two may have come before");
     }
 
-    /// After silence an optional answer is not expected any more. A due answer may still come after the next request,
-    /// and storing takes its time.
+    /// After silence an optional answer is not expected any more, except the answer to a store, which takes long. A
+    /// required answer may still come after the next request, until its time is over.
     #[test]
     fn silence_ends_what_is_open_unless_an_answer_is_owed() {
         let open = |requests: &[(Request<Lss>, Awaited<Lss, OneOf>)], after: u64| {

@@ -59,8 +59,8 @@ impl Bench<'_> {
     /// Reads a value that the case needs but does not test.
     ///
     /// # Errors
-    /// [`Stop::Inconclusive`] if the device returns no value, or fewer bytes than the described type has. More bytes
-    /// are right if the response gives no size (CiA 301, 7.2.4.3.6), and if a description is wrong.
+    /// [`Stop::Inconclusive`] if the device returns no value, or fewer bytes than the described type has. Extra bytes
+    /// are accepted: the response may give no size (CiA 301, 7.2.4.3.6), or the description may be wrong.
     pub fn read(&mut self, multiplexer: Multiplexer) -> Result<Vec<u8>, Stop> {
         let value = self.upload(multiplexer)?.value().or_inconclusive()?;
         match self.described_length(multiplexer) {

@@ -275,7 +275,8 @@ fn a_device_that_was_operational_is_so_again() {
     assert_eq!((started("73F#05"), started("73F#7F"), started("73E#05")), (0x01, 0x81, 0x81));
 }
 
-/// A device that does not answer may be stopped, and starts when it is reset; a device that does not start is absent.
+/// A device that does not answer may be in the NMT state stopped: a reset makes it answer again. If it does not start
+/// after the reset, it is absent.
 #[test]
 fn a_device_that_is_stopped_is_reached_by_a_reset() {
     let reached = |starts: bool| {

@@ -47,7 +47,7 @@ impl Role {
         matches!(name.to_ascii_lowercase().as_str(), "stamp" | "timestamp" | "time")
     }
 
-    /// The parts of a point in time, by name.
+    /// The part of a point in time that a field with this name holds; `None` if it holds none.
     pub(crate) fn of_time(name: &str) -> Option<Self> {
         match name.to_ascii_lowercase().as_str() {
             "sec" | "secs" | "seconds" => Some(Self::Seconds),

@@ -71,8 +71,8 @@ const POSITION: u16 = objects::CHANNEL_POSITION_VALUES;
 impl RedundantChannels {
     /// Number of PDOs with the same sum after which this sum is the expected one, if the mapping is known.
     const ENOUGH: u32 = 5;
-    /// Number of PDOs with the same sum, and of movements among them, that prove two channels if the mapping is
-    /// unknown.
+    /// If the mapping is unknown, two halves count as channels after this number of PDOs with the same sum, in which
+    /// the first half has changed at least this number of times.
     const SHOWN: u32 = 20;
 }
 

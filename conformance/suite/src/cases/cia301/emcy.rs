@@ -62,7 +62,7 @@ pub(super) fn begin_monitoring(bench: &mut Bench<'_>) -> Result<Monitored, Stop>
         Monitored::Master
     } else {
         let Some(node) = bench.vacant_neighbour() else {
-            let reason = Reason::new("a node-ID next to that of the device is free", "one", "none");
+            let reason = Reason::new("a neighbouring node-ID is free", "one", "none");
             return Err(Stop::NotApplicable(reason));
         };
         bench.write(WATCHED, &entry(node, CONSUMER_MS))?;

@@ -40,7 +40,7 @@ pub(super) fn after_a_loss(bench: &mut Bench<'_>) -> Result<Option<State>, Stop>
 fn lost(bench: &mut Bench<'_>, behaviour: u8, from: State, to: State) -> Judged {
     bench.expect_emergencies();
     let Some(node) = bench.vacant_neighbour() else {
-        let reason = Reason::new("a node-ID next to that of the device is free", "one", "none");
+        let reason = Reason::new("a neighbouring node-ID is free", "one", "none");
         return Err(Stop::NotApplicable(reason));
     };
     bench.write_confirmed(BEHAVIOUR, &[behaviour])?;

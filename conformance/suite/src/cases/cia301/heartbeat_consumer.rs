@@ -51,7 +51,7 @@ fn duplicate(bench: &mut Bench<'_>) -> Judged {
 pub(super) fn neighbour(bench: &Bench<'_>) -> Result<u8, Stop> {
     bench
         .vacant_neighbour()
-        .ok_or_else(|| Stop::NotApplicable(Reason::new("a node-ID next to that of the device is free", "one", "none")))
+        .ok_or_else(|| Stop::NotApplicable(Reason::new("a neighbouring node-ID is free", "one", "none")))
 }
 
 /// A node that the operational device monitors, and the sign of its loss.

@@ -31,8 +31,10 @@ fn stop_in_upload(bench: &mut Bench<'_>) -> Result<(Multiplexer, Vec<u8>), Stop>
     let heard = bench.listen(bench.silence())?;
     let late = heard.into_iter().map(|record| record.frame).find(|frame| frame.cob_id() == Some(response_id));
     bench.check(late.map_or(Ok(()), |frame| {
-        let breach =
-            Breach::new(Service::Sdo, "a request in stopped is not answered after the device has left stopped either");
+        let breach = Breach::new(
+            Service::Sdo,
+            "a request that was sent in stopped stays unanswered after the device has left stopped",
+        );
         Err(Box::new(breach.expected(Observation::Silence).found(Observation::Frame(frame))))
     }))?;
     Ok((multiplexer, right))

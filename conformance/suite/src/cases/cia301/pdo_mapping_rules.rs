@@ -225,7 +225,8 @@ fn unmappable_in_rpdo(bench: &mut Bench<'_>) -> Judged {
     match found {
         Some(entry) => refused(bench, RPDO, entry, Situation::Unmappable),
         None => {
-            let reason = Reason::new("an object can be written and not mapped", "one in the description", "none");
+            let reason =
+                Reason::new("the description has a writable object that can't be mapped", "at least one", "none");
             Err(Stop::NotApplicable(reason))
         }
     }

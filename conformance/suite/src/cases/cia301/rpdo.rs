@@ -220,8 +220,8 @@ fn too_long(bench: &mut Bench<'_>) -> Judged {
     };
     let wrong: Vec<Record> = heard.iter().filter(is_other).cloned().collect();
     bench.check(demand(wrong.is_empty(), || {
-        let breach = Breach::new(RPDO.subject(), "an RPDO with too many bytes is not reported as another error");
-        breach.expected("EMCY 8220h, or none").found(observed(&wrong)).told(shown(&wrong))
+        let breach = Breach::new(RPDO.subject(), "an EMCY for an RPDO with too many bytes has an error code for that");
+        breach.expected("EMCY 8220h, 8210h or 8200h, or none").found(observed(&wrong)).told(shown(&wrong))
     }))?;
     let duty = format!("{} has the first bytes of an RPDO that is too long", subject.mapped.at);
     expect_value(bench, subject.mapped.at, &subject.other, &duty)

@@ -30,10 +30,13 @@ fn stopped_sdo(bench: &mut Bench<'_>) -> Judged {
     }
     let late = bench.wait_for_late_response()?;
     bench.check(demand(late.is_none(), || {
-        Breach::new(DEVICE_TYPE, "a request in stopped is not answered after the device has left stopped either")
-            .expected(Observation::Silence)
-            .found(Observation::named("an answer after stopped"))
-            .told(late.map(|frame| frame.to_string()).unwrap_or_default())
+        Breach::new(
+            DEVICE_TYPE,
+            "a request that was sent in stopped stays unanswered after the device has left stopped",
+        )
+        .expected(Observation::Silence)
+        .found(Observation::named("an answer after stopped"))
+        .told(late.map(|frame| frame.to_string()).unwrap_or_default())
     }))
 }
 

@@ -22,7 +22,7 @@ const AUTO: u32 = 1 << 1;
 /// Writing the memory takes time; a reset during that time would undo the command.
 const WRITTEN: Duration = Duration::from_millis(200);
 
-/// The sub-indexes of 1010h or 1011h that the device has: 80h to FEh are reserved.
+/// The sub-indexes of 1010h or 1011h that the device has, up to 7Fh: 80h to FEh are reserved.
 fn sub_indexes(bench: &mut Bench<'_>, index: u16) -> Result<Vec<Multiplexer>, Stop> {
     let Outcome::Uploaded(highest) = bench.upload(Multiplexer::new(index, 0))?.outcome else { return Ok(Vec::new()) };
     let mut found = Vec::new();

@@ -406,7 +406,8 @@ fn begins_with(bench: &mut Bench<'_>, can_id: u16, start: u8) -> Judged {
         missing += usize::from(first.is_some() && !sent);
     }
     bench.check(demand(first == Some(start), || {
-        let breach = Breach::new(TPDO.subject(), "the first TPDO follows the SYNC of the start value");
+        let breach =
+            Breach::new(TPDO.subject(), "the first TPDO follows the SYNC whose counter equals the start value");
         let found = first.map_or(Observation::Silence, |counter| Observation::Number(u64::from(counter)));
         breach.expected(Observation::Number(u64::from(start))).found(found)
     }))?;

@@ -120,7 +120,7 @@ fn consumer_bit(bench: &mut Bench<'_>) -> Judged {
         bench.send_bytes((own & 0x7FF) as u16, &[])?;
         let heard = bench.frames_of(can_id, bench.shortly())?.len() as u64;
         bench.check(demand(heard == right, || {
-            Breach::new(SYNC_ID, format!("with 1005h = {value:08X}h one SYNC sends {right} TPDOs of type 1"))
+            Breach::new(SYNC_ID, format!("with 1005h = {value:08X}h one SYNC triggers {right} TPDOs of type 1"))
                 .expected(Observation::Count(right))
                 .found(Observation::Count(heard))
         }))

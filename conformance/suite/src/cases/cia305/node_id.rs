@@ -21,7 +21,7 @@ pub(super) const RESTART: Duration = Duration::from_millis(500);
 
 /// A node-ID that nobody uses.
 pub(super) fn vacant(bench: &Bench<'_>) -> Result<u8, Stop> {
-    let none = || Stop::NotApplicable(Reason::new("a node-ID next to that of the device is free", "one", "none"));
+    let none = || Stop::NotApplicable(Reason::new("a neighbouring node-ID is free", "one", "none"));
     bench.vacant_neighbour().ok_or_else(none)
 }
 

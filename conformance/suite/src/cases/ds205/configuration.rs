@@ -43,7 +43,7 @@ fn invalid_node_id(bench: &mut Bench<'_>) -> Judged {
        needs = [Alone, Lmt], touches = [NodeId], catches = [LmtNodeIdAtOnce])]
 fn not_at_once(bench: &mut Bench<'_>) -> Judged {
     let Some(node_id) = bench.vacant_neighbour() else {
-        let reason = Reason::new("a node-ID next to that of the device is free", "one", "none");
+        let reason = Reason::new("a neighbouring node-ID is free", "one", "none");
         return Err(Stop::NotApplicable(reason));
     };
     in_configuration(bench, |bench| {

@@ -86,7 +86,7 @@ pub struct Counts {
     pub made: usize,
     /// Number of mutants that changed a frame.
     pub changed: usize,
-    /// Number of changed mutants that the standard leaves open.
+    /// Number of mutants on which no case has to fail, as the standard leaves the change of the frame open.
     pub open: usize,
     /// Number of mutants on which a case failed.
     pub found: usize,

@@ -87,7 +87,8 @@ fn choose(sample: &Sample<'_>, candidates: Vec<Layout>, given: bool) -> Option<L
     (given || 2 * rows >= sample.alike()).then_some(layout)
 }
 
-/// Restricts the unknown words to those that several lines have.
+/// Restricts the unknown words of a layout to words that occur in at least two of its rows, or in one if the user gave
+/// the columns.
 fn with_words(sample: &Sample<'_>, layout: Layout, given: bool) -> Layout {
     let mut lines_with: BTreeMap<u64, usize> = BTreeMap::new();
     for (line, row) in sample.rows(&layout) {

@@ -27,7 +27,7 @@ fn undisturbed(bench: &mut Bench<'_>, by: &str) -> Judged {
 fn other_node(bench: &mut Bench<'_>) -> Judged {
     bench.look_for_others()?;
     let Some(other) = bench.vacant_neighbour() else {
-        let reason = Reason::new("a node-ID next to that of the device is free", "no node", "nodes on both sides");
+        let reason = Reason::new("a neighbouring node-ID is free", "no node", "nodes on both sides");
         return Err(Stop::NotApplicable(reason));
     };
     bench.each(Command::ALL, |bench, command| {

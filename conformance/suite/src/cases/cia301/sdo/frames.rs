@@ -81,7 +81,7 @@ fn short(bench: &mut Bench<'_>) -> Judged {
        catches = [SdoOtherNodeAnswered])]
 fn other_node(bench: &mut Bench<'_>) -> Judged {
     let Some(other) = bench.vacant_neighbour() else {
-        let reason = Reason::new("a node-ID next to that of the device is free", "one", "none");
+        let reason = Reason::new("a neighbouring node-ID is free", "one", "none");
         return Err(Stop::NotApplicable(reason));
     };
     // Silence proves something only if the server is present.
