@@ -52,6 +52,15 @@ pub enum OpenError {
         /// The kind, and what to do.
         reason: Unread,
     },
+    /// No line is a frame, or no line fits the columns that are given.
+    #[error(
+        "no line of {name} is read as a frame: expected lines with an identifier and data; with --columns, one number for each \
+         column"
+    )]
+    Misfit {
+        /// The file or `-`.
+        name: String,
+    },
     /// Pasted lines fit two readings.
     #[error("{name}: {question}")]
     Ambiguous {
@@ -139,9 +148,12 @@ fn recognise(name: &str, source: &mut Source, options: &ReadOptions) -> Result<F
 fn ask(name: &str, source: &mut Source, options: &ReadOptions) -> Result<(), OpenError> {
     let failed = |source| OpenError::Source { name: name.to_owned(), source };
     while source.window().len() < Format::SNIFF && source.fill().map_err(failed)? {}
-    match pasted::question(source.window(), options) {
-        Some(question) => Err(OpenError::Ambiguous { name: name.to_owned(), question }),
-        None => Ok(()),
+    let name = name.to_owned();
+    match pasted::has_meaning(source.window(), options) {
+        Err(question) => Err(OpenError::Ambiguous { name, question }),
+        Ok(true) => Ok(()),
+        Ok(false) if source.window().is_empty() => Err(OpenError::Empty(name)),
+        Ok(false) => Err(OpenError::Misfit { name }),
     }
 }
 

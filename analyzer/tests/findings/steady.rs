@@ -97,6 +97,8 @@ fn a_pdo_that_stops_is_learned() {
     assert_eq!(found.severity, Severity::Warning);
     assert!(found.message.contains("does not come for the last 20.0"), "{}", found.message);
     assert!(found.message.contains("before it came every 100 ms"), "{}", found.message);
+    let last = found.evidence[0].record.as_ref().and_then(|record| record.frame.cob_id());
+    assert_eq!((found.evidence.len(), last), (1, Some(0x182)));
 }
 
 /// Events send a PDO as often as its inhibit time allows, until its value rests.
@@ -148,6 +150,128 @@ fn a_pdo_that_stays_away_for_a_while() {
     traffic.every(30_002, 40_000, 100, |_| "182#0102030405060708".to_owned());
     let found = traffic.finds("pdo/ended", Some(2), 19_902);
     assert!(found.message.contains("stayed away for 10.1"), "{}", found.message);
+}
+
+const CONSTANT: &str = "182#0102030405060708";
+
+/// What comes 10 s or more after the end of the PDO does not hide it.
+#[test]
+fn a_pdo_that_stopped_before_something_else_happened() {
+    let constant = |_| "0102030405060708".to_owned();
+    let other = ["nodes/left-stopped", "nodes/boot-up-without-command", "nodes/state-lost", "capture/gaps"];
+    let check = |traffic: &Traffic, text: &str| {
+        let found = traffic.finds_among(&[&other[..], &["pdo/ended"]].concat(), "pdo/ended", Some(2), 19_902);
+        assert!(found.message.contains(text), "{}", found.message);
+        assert_eq!(found.severity, Severity::Warning);
+    };
+    let mut all_stopped = stops(constant);
+    check(all_stopped.at(39_500, "000#0200"), "did not come for 19.5");
+    check(&all_stopped, ", until an NMT command to the node; before it came every 100 ms");
+    check(stops(constant).at(35_000, "702#00"), "until the node booted");
+    let written = ("2300180182010080", "6000180100000000");
+    check(stops(constant).sdo(30_000, 2, written.0, written.1), "until its parameters were written");
+    // The recorder is off for half a minute.
+    let mut gap = stops(constant);
+    for node in [1, 2, 3] {
+        gap.every(70_030 + node, 80_000, 100, |_| format!("70{node}#05"));
+    }
+    check(gap.every(70_000, 80_000, 100, |_| "080#".to_owned()), "until frames are missing in the capture");
+    // It comes again after the event.
+    let mut back = stops(constant);
+    back.at(30_000, "000#8002").silence(0x702, 30_000, 40_000).at(31_000, "000#0102");
+    back.every(30_032, 31_000, 100, |_| "702#7F".to_owned()).every(31_032, 40_000, 100, |_| "702#05".to_owned());
+    check(back.every(31_100, 40_000, 100, |_| CONSTANT.to_owned()), "did not come for 10");
+}
+
+/// Before the event SYNC has ended, too, or the RPDOs, or the whole node was silent.
+#[test]
+fn a_pdo_that_stopped_with_its_reason_before_something_else_happened() {
+    let constant = |_| "0102030405060708".to_owned();
+    let mut without_sync = stops(constant);
+    without_sync.silence(0x080, 20_000, 40_000).at(39_500, "000#0200").only(&["pdo/sync-missing"]);
+    let mut unfed = stops(constant);
+    unfed.every(1, 20_000, 100, |_| "202#0102".to_owned()).at(39_500, "000#0200").only(&[]);
+    let mut several = stops(constant);
+    several.every(5, 20_000, 50, |_| "183#0102".to_owned()).at(39_500, "000#0200").only(&[]);
+    let mut switched_off = stops(constant);
+    switched_off.remove(|_, frame| frame.cob_id() == Some(0x702)).at(1, "000#0102").at(39_000, "702#00");
+    switched_off.only(&["nodes/boot-up-without-command"]);
+}
+
+/// Only a write that the node accepts changes its parameters, and only those of one PDO.
+#[test]
+fn a_pdo_that_stopped_while_its_parameters_were_read() {
+    for (request, response) in [
+        ("4000180100000000", "4300180182010000"),
+        ("2300180182010080", "8000180122000108"),
+        ("2301180182020080", "6001180100000000"),
+        ("2F011A0000000000", "60011A0000000000"),
+    ] {
+        let mut traffic = stops(|_| "0102030405060708".to_owned());
+        let rules = ["pdo/ended", "sdo/aborted"];
+        let found = traffic.sdo(19_950, 2, request, response).finds_among(&rules, "pdo/ended", Some(2), 19_902);
+        assert!(found.message.contains("does not come for the last 20.0"), "{request}: {}", found.message);
+    }
+    let mut mapped = stops(|_| "0102030405060708".to_owned());
+    mapped.sdo(19_950, 2, "2F001A0000000000", "60001A0000000000").only(&[]);
+}
+
+/// The encoder's own timer for TPDO 1 is written.
+#[test]
+fn a_timer_of_the_profile_that_is_set_to_zero() {
+    let mut traffic = stops(|_| "0102030405060708".to_owned());
+    traffic.sdo(40, 2, "4000100000000000", "4300100096010200").sdo(19_950, 2, "2B00620000000000", "6000620000000000");
+    traffic.only(&[]);
+}
+
+/// Node 2 sends TPDO 1 every 100 ms, except from 15 s to 20 s.
+fn pauses() -> Traffic {
+    let mut traffic = beats(40);
+    traffic.every(2, 15_000, 100, |_| CONSTANT.to_owned()).every(20_002, 40_000, 100, |_| CONSTANT.to_owned());
+    traffic
+}
+
+#[test]
+fn a_pause_with_its_reason() {
+    pauses().finds("pdo/ended", Some(2), 14_902);
+    let mut of_sync = pauses();
+    of_sync.every(0, 15_000, 100, |_| "080#".to_owned()).every(20_000, 40_000, 100, |_| "080#".to_owned());
+    of_sync.sdo(15_030, 1, "2306100000000000", "6006100000000000");
+    of_sync.sdo(19_930, 1, "23061000A0860100", "6006100000000000").only(&["pdo/sync-missing"]);
+    let mut of_rpdo = pauses();
+    of_rpdo.every(0, 15_000, 100, |_| "202#0100".to_owned()).every(20_000, 40_000, 100, |_| "202#0100".to_owned());
+    of_rpdo.only(&[]);
+    let mut of_all = pauses();
+    for node in [1, 3] {
+        let frame = |_| format!("18{node}#0102030405060708");
+        of_all.every(5 + node, 15_000, 100, frame).every(20_005 + node, 40_000, 100, frame);
+    }
+    of_all.only(&[]);
+    // SYNC pauses at another time.
+    let mut unexplained = pauses();
+    unexplained.every(0, 25_000, 100, |_| "080#".to_owned()).every(30_000, 40_000, 100, |_| "080#".to_owned());
+    unexplained.finds_among(&["pdo/ended", "pdo/sync-missing"], "pdo/ended", Some(2), 14_902);
+}
+
+/// A device that leaves its rhythm may send on events from then on.
+#[test]
+fn events_that_follow_a_rhythm() {
+    let mut traffic = beats(100);
+    traffic.every(2, 5_000, 100, |_| CONSTANT.to_owned());
+    for n in 0..30 {
+        traffic.at(6_100 + n * 2_900 + n * n * 7_919 % 1_400, &format!("182#{0}{0}", hex(n * n)));
+    }
+    traffic.only(&[]);
+}
+
+/// A device that sends its PDO from time to time, such as while it moves.
+#[test]
+fn a_pdo_that_comes_in_bursts() {
+    let mut traffic = beats(100);
+    for n in 0..6 {
+        traffic.every(1_002 + n * 15_000, 6_000 + n * 15_000, 100, |_| CONSTANT.to_owned());
+    }
+    traffic.only(&[]);
 }
 
 #[test]

@@ -177,6 +177,7 @@ fn reason(error: &OpenError) -> String {
         OpenError::Empty(_) => "empty: expected a capture".to_owned(),
         OpenError::Unread { reason, .. } => reason.to_string(),
         OpenError::Ambiguous { question, .. } => question.to_string(),
+        OpenError::Misfit { .. } => "no line is read as a frame".to_owned(),
         OpenError::Unknown { .. } => {
             let known: Vec<&str> = Format::all().map(Format::id).collect();
             format!("of no known format: expected one of {}", known.join(", "))

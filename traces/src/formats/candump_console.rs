@@ -52,7 +52,15 @@ use std::borrow::Cow;
 const SNIFF_LINES: usize = 200;
 
 pub(crate) fn sniff(head: &[u8]) -> bool {
-    head_lines(head).take(SNIFF_LINES).any(|(line, _)| start(&without_colours(line)).is_ok_and(|(_, s)| s.brackets))
+    let is_row = |start: &Start<'_>| start.brackets && may_be_interface(start.name);
+    head_lines(head).take(SNIFF_LINES).any(|(line, _)| start(&without_colours(line)).is_ok_and(|(_, s)| is_row(&s)))
+}
+
+/// Whether the word before an identifier may be the name of an interface: rows of other tools have a time or a direction
+/// there.
+fn may_be_interface(name: &[u8]) -> bool {
+    const OTHERS: [&[u8]; 7] = [b"rx", b"tx", b"r", b"t", b"id", b"recv", b"send"];
+    name.first().is_some_and(u8::is_ascii_alphabetic) && !OTHERS.iter().any(|other| name.eq_ignore_ascii_case(other))
 }
 
 pub(crate) fn open(source: Source, _options: &ReadOptions) -> Box<dyn Reader> {

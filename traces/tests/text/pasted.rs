@@ -13,6 +13,40 @@ pub struct Given {
     pub interpretation: Option<String>,
 }
 
+/// Rows with brackets are candump's only if an interface is before the identifier.
+#[test]
+fn times_and_directions_are_no_interfaces() {
+    for before in ["12:00:01.100", "0.100", "[12:00:01.100]", "Rx", "1000"] {
+        let text = format!(
+            "{before} 605 [8] 40 00 10 00 00 00 00 00\n{before} 585 [8] 43 00 10 00 92 01 02 00\n{before} 705 [1] 05\n"
+        );
+        let Ok(given) = open_with(&text, Some("time[ms],id,len,data")).or_else(|_| open_with(&text, None)) else {
+            panic!("{text}")
+        };
+        assert_eq!(given.format, Format::Pasted, "{before}");
+    }
+}
+
+/// Columns that fit no line, and texts without frames, are told.
+#[test]
+fn columns_that_fit_nothing_are_told() {
+    let text = "0.100 605 8 40 00 10 00 00 00 00 00\n";
+    let error = open_with(text, Some("id[dec],len,data[dec]")).err().unwrap();
+    assert!(matches!(error, OpenError::Misfit { .. }), "{error}");
+    let options = ReadOptions { format: Some(Format::Pasted), ..ReadOptions::default() };
+    let error = Capture::from_source("prose", Source::from_bytes("No frame is here.\n"), &options).err().unwrap();
+    assert!(matches!(error, OpenError::Misfit { .. }), "{error}");
+}
+
+/// Times beyond all units do not stop the program.
+#[test]
+fn immense_times_are_read_or_told() {
+    let row = |time: &str| format!("{time} 605 8 40 00 10 00 00 00 00 00\n");
+    let text =
+        [row("9999999999999999999.5").repeat(50), (row("1.5") + &row("9999999999999999999.5")).repeat(8)].concat();
+    let _ = open_with(&text, None);
+}
+
 pub fn open_with(text: &str, columns: Option<&str>) -> Result<Given, OpenError> {
     let columns = columns.map(|columns| columns.parse().unwrap());
     let options = ReadOptions { columns, ..ReadOptions::default() };

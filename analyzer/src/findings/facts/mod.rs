@@ -1,5 +1,6 @@
 //! Facts about the nodes of a bus that several rules need.
 
+mod beats;
 mod errors;
 mod heartbeats;
 mod node;
@@ -9,15 +10,17 @@ mod requests;
 mod streams;
 mod tpdos;
 
+pub use beats::Reasons;
 pub use errors::{Errors, Raised};
 pub use heartbeats::Heartbeats;
 pub use node::{NodeFacts, Obedience};
 pub use operands::Operand;
 pub use presence::{Orders, Outage, Presence, Sign};
 pub use requests::{Pending, RequestEvent, Requests};
-pub use streams::{Stream, StreamEvent, Streams};
+pub use streams::{Cut, Reset, Stream, StreamEvent, Streams};
 pub use tpdos::{AllParameters, Parameters, TPDOS};
 
+use self::streams::Restart;
 use super::rhythm::Interval;
 use crate::message::{Message, PdoNumber, Service};
 use crate::network::sdo::{Direction, Outcome};
@@ -65,6 +68,8 @@ pub struct News {
     pub is_known_tpdo: bool,
     /// What a TPDO shows that is unusual.
     pub stream: StreamEvent,
+    /// The TPDOs that begin anew after the frame.
+    restart: Option<Restart>,
     /// Whether the concerned node has sent the frame.
     pub is_from_node: bool,
     /// The outage of the node that ends with this frame.
@@ -92,6 +97,23 @@ fn stores(request: Request) -> bool {
     }
 }
 
+/// The TPDOs that begin anew with a frame.
+fn restart(decoded: &Decoded, begins_anew: bool, bus: &Bus) -> Option<Restart> {
+    match decoded.message {
+        Message::Nmt(nmt) => begins_anew.then_some(Restart { node: nmt.node, number: None, reset: Reset::Command }),
+        _ if decoded.service == Service::BootUp => {
+            Some(Restart { node: decoded.node?.raw(), number: None, reset: Reset::BootUp })
+        }
+        _ if decoded.ends_transfer() => {
+            let transfer = bus.transfer(decoded.channel?)?;
+            let is_written = transfer.direction == Direction::Download && transfer.outcome == Outcome::Complete;
+            let number = tpdos::concerned(transfer.multiplexer).filter(|_| is_written)?;
+            Some(Restart { node: decoded.node?.raw(), number: Some(number), reset: Reset::Parameters })
+        }
+        _ => None,
+    }
+}
+
 impl Facts {
     /// The facts about a node.
     pub fn node(&self, id: NodeId) -> &NodeFacts {
@@ -102,6 +124,10 @@ impl Facts {
     pub(super) fn follow(&mut self, record: &Record, decoded: &Decoded, bus: &Bus) -> Option<NodeId> {
         let now = record.timestamp;
         let begins_anew = matches!(decoded.message, Message::Nmt(nmt) if !self.is_repeated(nmt));
+        if matches!(decoded.service, Service::Nmt | Service::BootUp | Service::Sdo) {
+            self.news.restart = restart(decoded, begins_anew, bus);
+            self.keep_silent(now);
+        }
         let reconfigured = self.tpdos.frame(decoded, bus);
         let is_from_node = decoded.is_from_node();
         // Nearly always `None` replaces `None`, and the test is cheaper than the write.
@@ -167,10 +193,30 @@ impl Facts {
 
     /// Tells that frames may be missing here, or the clock has stepped.
     pub(super) fn interrupted(&mut self, now: Timestamp) {
+        let last = NodeId::all().filter_map(|node| self.nodes[node].last_seen).max();
+        self.news.restart = Some(Restart { node: 0, number: None, reset: Reset::Gap });
+        self.keep_silent(last.unwrap_or(now));
+        self.news.restart = None;
         self.presence.interrupted(now);
         self.heartbeats.interrupted();
         self.requests.interrupted();
         self.streams.interrupted();
+    }
+
+    /// Whether a node lives, and must send its PDOs.
+    pub fn must_send(&self, node: NodeId, now: Timestamp) -> bool {
+        let facts = &self.nodes[node];
+        facts.operational && !facts.is_storing(now) && self.outage(node, now).is_none()
+    }
+
+    /// Keeps the TPDOs that are silent although their nodes must send them, before they begin anew and are forgotten.
+    fn keep_silent(&mut self, now: Timestamp) {
+        let Some(restart) = self.news.restart else { return };
+        for node in NodeId::all().filter(|node| restart.node == 0 || restart.node == node.raw()) {
+            if let Some(until) = self.nodes[node].last_seen.filter(|_| self.must_send(node, now)) {
+                self.streams.cut_off(node, restart, until, |number| self.tpdos.of(node, number));
+            }
+        }
     }
 
     /// Handles the frame after the rules have seen it.
@@ -180,9 +226,6 @@ impl Facts {
             Message::Nmt(nmt) => {
                 self.commanded(now, nmt.command, nmt.node);
                 self.presence.commanded(now, nmt);
-                if self.news.begins_anew {
-                    self.streams.restart(nmt.node);
-                }
             }
             Message::GuardingRequest => {
                 if let Some(node) = decoded.node {
@@ -201,6 +244,9 @@ impl Facts {
             }
             Message::SdoBlockDownload(_) => self.has_sdo_client = true,
             _ => {}
+        }
+        if let Some(restart) = self.news.restart.take() {
+            self.streams.restart(restart);
         }
         let Some(node) = decoded.node else { return };
         if self.news.is_from_node {
@@ -222,13 +268,9 @@ impl Facts {
             self.restarted(node, now);
             let facts = &mut self.nodes[node];
             facts.booted(now);
-            self.streams.restart(node.raw());
             self.moved(bus);
         }
         if decoded.ends_transfer() {
-            if decoded.object.is_some_and(|object| matches!(object.index.0, 0x1800..=0x1BFF)) {
-                self.streams.restart(node.raw());
-            }
             self.transferred(now, node, decoded, bus);
         }
     }

@@ -1,7 +1,8 @@
 //! The rhythm and the length of each TPDO, as they are learned from its frames, for rules about PDOs of which no
 //! configuration is known.
 
-use super::tpdos::TPDOS;
+use super::beats::{Beats, Reasons};
+use super::tpdos::{Parameters, TPDOS};
 use crate::message::{Message, PdoNumber, Service};
 use crate::network::Decoded;
 use crate::{NodeId, PerNode};
@@ -11,10 +12,68 @@ use canvass_traces::{Duration, Record, Timestamp};
 #[derive(Default)]
 pub struct Streams {
     nodes: PerNode<Option<Box<[Stream; TPDOS]>>>,
-    /// Time of the last RPDO to each node, and the number of RPDOs.
-    received: PerNode<Option<(Timestamp, u32)>>,
-    /// Time of the last SYNC.
-    pub sync: Option<Timestamp>,
+    /// The RPDOs to each node.
+    received: PerNode<Beats>,
+    sync: Beats,
+    /// At most one for each TPDO.
+    cut: Vec<Cut>,
+}
+
+/// An event after which the frames of a TPDO may come in another way.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Reset {
+    /// An NMT command that changes the state of the node.
+    Command,
+    /// A boot-up.
+    BootUp,
+    /// A write to the parameters of the TPDO.
+    Parameters,
+    /// Frames are missing in the capture, or its clock has stepped.
+    Gap,
+}
+
+/// The TPDOs that begin anew.
+#[derive(Clone, Copy, Debug)]
+pub struct Restart {
+    /// The node; all nodes if it is 0.
+    pub node: u8,
+    /// The TPDO, by its number from 1; `None` for all TPDOs of the node.
+    pub number: Option<u16>,
+    /// The reason.
+    pub reset: Reset,
+}
+
+/// A TPDO that had been silent when it began anew.
+#[derive(Clone, Copy, Debug)]
+pub struct Cut {
+    /// The node, which had to send the TPDO until then.
+    pub node: NodeId,
+    /// The number from 1.
+    pub number: u16,
+    /// The TPDO before it began anew.
+    pub stream: Stream,
+    /// Its parameters at that time.
+    pub parameters: Parameters,
+    /// Time of the last message of the node before: until then the node certainly lived.
+    pub until: Timestamp,
+    /// Why it began anew.
+    pub reset: Reset,
+    /// What else may have been silent at that time.
+    pub reasons: Reasons,
+}
+
+impl Restart {
+    /// Whether a TPDO begins anew.
+    fn concerns(&self, number: u16) -> bool {
+        self.number.is_none_or(|only| only == number)
+    }
+}
+
+impl Cut {
+    /// Length of the silence.
+    fn silence(&self) -> Duration {
+        self.stream.last.map_or(Duration::ZERO, |last| self.until.since(last))
+    }
 }
 
 /// One TPDO.
@@ -22,6 +81,8 @@ pub struct Streams {
 pub struct Stream {
     /// Time of the last frame; `None` if none came since the last NMT command, boot-up or change of parameters.
     pub last: Option<Timestamp>,
+    /// The CAN-ID of the last frame.
+    pub can_id: u16,
     /// The learned period in nanoseconds; 0 if there is none.
     period: u64,
     /// Number of intervals that had the period.
@@ -45,6 +106,10 @@ pub struct Stream {
     longest: u64,
     /// Whether a remote frame has asked for the TPDO.
     pub polled: bool,
+    /// Number of times that a regular TPDO came again after a silence of many periods.
+    pub pauses: u8,
+    /// The period before the last such silence in nanoseconds; 0 if the period since is known.
+    paused: u64,
 }
 
 /// What a TPDO shows that is unusual.
@@ -60,13 +125,15 @@ pub enum StreamEvent {
         /// Number of these frames.
         times: u32,
     },
-    /// It comes again after a silence of many periods.
+    /// It comes again after a silence of many periods; its period is learned anew.
     Resumed {
         /// Time of the frame before.
         since: Timestamp,
         /// The period.
         period: Duration,
     },
+    /// Since it has resumed it has the same period as before.
+    Returned,
     /// Its period is divided into the same two parts again and again.
     Divided {
         /// The first part.
@@ -83,6 +150,10 @@ impl Stream {
     const UNCHANGED: u32 = 10;
     /// A silence of more periods than this is no delay.
     const SILENCE: u64 = 10;
+    /// A shorter silence is no pause, however short the period.
+    const PAUSE: u64 = 1_000_000_000;
+    /// Number of intervals that show whether the period after a pause is the period before it.
+    const RETURNED: u32 = 10;
     /// Number of frames that make a length usual.
     const USUAL: u32 = 20;
     /// Number of divisions that prove two senders.
@@ -91,7 +162,8 @@ impl Stream {
     const OTHER: u8 = 8;
 
     /// Handles a frame.
-    fn beat(&mut self, now: Timestamp, payload: &[u8]) -> StreamEvent {
+    fn beat(&mut self, now: Timestamp, can_id: u16, payload: &[u8]) -> StreamEvent {
+        self.can_id = can_id;
         let length = self.length(payload.len() as u8);
         self.last_length = payload.len() as u8;
         let mut bytes = [0; 8];
@@ -122,9 +194,9 @@ impl Stream {
 
     fn interval(&mut self, interval: u64, is_same: bool, last: Timestamp) -> StreamEvent {
         let period = self.period;
-        if self.is_timed() && interval > period * Self::SILENCE {
+        if interval > period * Self::SILENCE && self.is_timed() {
             self.off = 0;
-            return StreamEvent::Resumed { since: last, period: Duration(period) };
+            return if interval > Self::PAUSE { self.resumed(interval, last) } else { StreamEvent::Usual };
         }
         if self.divides(interval) {
             self.divided = self.divided.saturating_add(1);
@@ -136,6 +208,9 @@ impl Stream {
             self.regular = self.regular.saturating_add(1);
             self.unchanged += u32::from(is_same && self.unchanged < Self::UNCHANGED);
             self.off = self.off.saturating_sub(1);
+            if self.paused != 0 && self.regular >= Self::RETURNED {
+                return self.returned();
+            }
         } else {
             self.off += 2;
             if self.off >= Self::OTHER || self.regular == 0 {
@@ -143,6 +218,23 @@ impl Stream {
             }
         }
         StreamEvent::Usual
+    }
+
+    /// Ends a pause. A device that left its period may send on events from now on, so the period must be proven anew.
+    #[cold]
+    fn resumed(&mut self, interval: u64, since: Timestamp) -> StreamEvent {
+        let period = std::mem::replace(&mut self.period, interval);
+        (self.regular, self.off, self.unchanged, self.divided) = (0, 0, 0, 0);
+        (self.pauses, self.paused) = (self.pauses.saturating_add(1), period);
+        StreamEvent::Resumed { since, period: Duration(period) }
+    }
+
+    /// Compares the period after a pause with the period before it.
+    #[cold]
+    fn returned(&mut self) -> StreamEvent {
+        let before = std::mem::take(&mut self.paused);
+        let is_same = near(before, self.period, before / 8 + 2_000_000);
+        if is_same { StreamEvent::Returned } else { StreamEvent::Usual }
     }
 
     /// Whether the last two intervals together are the period, and the period is divided as it was before. Equal
@@ -186,12 +278,11 @@ impl Streams {
         let now = record.timestamp;
         match (decoded.message, decoded.node) {
             (Message::Pdo(PdoNumber::Transmit(number)), Some(node)) => match self.slot(node, number) {
-                Some(stream) => stream.beat(now, record.frame.data()),
+                Some(stream) => stream.beat(now, record.frame.cob_id().unwrap_or(0), record.frame.data()),
                 None => StreamEvent::Usual,
             },
             (Message::Pdo(PdoNumber::Receive(_)), Some(node)) => {
-                let received = &mut self.received[node];
-                *received = Some((now, received.map_or(0, |received| received.1).saturating_add(1)));
+                self.received[node].beat(now);
                 StreamEvent::Usual
             }
             (Message::PdoRequest(PdoNumber::Transmit(number)), Some(node)) => {
@@ -201,7 +292,7 @@ impl Streams {
                 StreamEvent::Usual
             }
             _ if decoded.service == Service::Sync => {
-                self.sync = Some(now);
+                self.sync.beat(now);
                 StreamEvent::Usual
             }
             _ => StreamEvent::Usual,
@@ -218,18 +309,51 @@ impl Streams {
         known.flat_map(|(node, rows)| (1..).zip(rows).map(move |(number, row)| (node, number, row)))
     }
 
-    /// Time of the last RPDO to a node that receives RPDOs again and again.
-    pub fn received(&self, node: NodeId) -> Option<Timestamp> {
-        const OFTEN: u32 = 20;
-        self.received[node].filter(|received| received.1 >= OFTEN).map(|received| received.0)
+    /// One TPDO, by its number from 1.
+    pub fn get(&self, node: NodeId, number: u16) -> Option<&Stream> {
+        self.nodes[node].as_deref()?.get(usize::from(number).checked_sub(1)?)
     }
 
-    /// Begins anew with the TPDOs of a node, or of all nodes if it is 0: they may stop, or have other parameters.
+    /// The TPDOs that had been silent when they began anew: of each the longest such silence.
+    pub fn cut(&self) -> &[Cut] {
+        &self.cut
+    }
+
+    /// What may explain the silence of a node's TPDOs.
+    pub fn reasons(&self, node: NodeId) -> Reasons {
+        Reasons { sync: self.sync, received: self.received[node] }
+    }
+
+    /// Keeps the silent TPDOs of a node that will begin anew; `until` is the time of the node's last message.
     #[cold]
-    pub(super) fn restart(&mut self, node: u8) {
-        for (_, rows) in self.nodes.named_mut(node) {
-            let rows = rows.iter_mut().flat_map(|rows| rows.iter_mut());
-            rows.for_each(|row| *row = Stream { polled: row.polled, ..Stream::default() });
+    pub(super) fn cut_off<'p>(
+        &mut self,
+        node: NodeId,
+        restart: Restart,
+        until: Timestamp,
+        parameters: impl Fn(u16) -> &'p Parameters,
+    ) {
+        let reasons = self.reasons(node);
+        let Self { nodes, cut, .. } = self;
+        let rows = (1..).zip(nodes[node].iter().flat_map(|rows| rows.iter()));
+        for (number, stream) in rows.filter(|(number, _)| restart.concerns(*number)) {
+            let parameters = *parameters(number);
+            let Some(period) = parameters.event_timer.or_else(|| stream.period()) else { continue };
+            let new = Cut { node, number, stream: *stream, parameters, until, reset: restart.reset, reasons };
+            if new.silence() > period.times(2) {
+                keep_longest(cut, new);
+            }
+        }
+    }
+
+    /// Begins anew with TPDOs: they may stop, or have other parameters.
+    #[cold]
+    pub(super) fn restart(&mut self, restart: Restart) {
+        for (_, rows) in self.nodes.named_mut(restart.node) {
+            let rows = (1..).zip(rows.iter_mut().flat_map(|rows| rows.iter_mut()));
+            for (_, row) in rows.filter(|(number, _)| restart.concerns(*number)) {
+                *row = Stream { polled: row.polled, pauses: row.pauses, ..Stream::default() };
+            }
         }
     }
 
@@ -237,5 +361,14 @@ impl Streams {
     pub(super) fn interrupted(&mut self) {
         let rows = self.nodes.values_mut().flatten().flat_map(|rows| rows.iter_mut());
         rows.for_each(|row| row.last = None);
+    }
+}
+
+/// Keeps one silence of each TPDO, so that the memory is bounded.
+fn keep_longest(all: &mut Vec<Cut>, new: Cut) {
+    match all.iter_mut().find(|old| (old.node, old.number) == (new.node, new.number)) {
+        Some(old) if old.silence() >= new.silence() => {}
+        Some(old) => *old = new,
+        None => all.push(new),
     }
 }

@@ -129,6 +129,15 @@ fn is_timer_of_profile(object: Multiplexer) -> bool {
     object.sub.0 == 0 && has_role(object.index, Role::EventTimer)
 }
 
+/// The number of the TPDO to whose parameters or mapping an object belongs. The device profile's timer belongs to
+/// TPDO 1.
+pub fn concerned(object: Multiplexer) -> Option<u16> {
+    match object.index.0 {
+        index @ 0x1800..=0x1BFF => Some((index & 0x1FF) + 1),
+        _ => is_timer_of_profile(object).then_some(1),
+    }
+}
+
 /// Whether a transfer has shown a source of the parameters: the parameters themselves, the timer or the number of the
 /// device profile, or the model of the node.
 fn is_shown(decoded: &Decoded, bus: &Bus) -> bool {

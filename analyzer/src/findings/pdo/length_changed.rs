@@ -8,7 +8,7 @@ use canvass_macros::rule;
 /// a PDO changes its length
 ///
 /// A TPDO whose mapping is not known has had one length in at least 20 frames, and then comes with another. NMT
-/// commands, boot-ups and SDO transfers of its parameters begin anew. Where the mapping is known, pdo/length compares
+/// commands, boot-ups and writes to its parameters begin anew. Where the mapping is known, pdo/length compares
 /// with it.
 ///
 /// # Why

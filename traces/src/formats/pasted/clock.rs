@@ -42,7 +42,7 @@ pub(super) fn units(times: &[Plain]) -> Vec<Unit> {
         return vec![Unit::Seconds];
     }
     // Numbers of this size are times since 1970, and have only one unit between 1973 and 2554.
-    let nanos = |unit: Unit, value: u128| value * u128::from(unit.nanos()) / u128::from(SECOND);
+    let nanos = |unit: Unit, value: u128| value.saturating_mul(u128::from(unit.nanos())) / u128::from(SECOND);
     let is_date = |unit: &Unit| (YEAR_1973..=u128::from(u64::MAX) / 4).contains(&nanos(*unit, first.billionths));
     if let Some(unit) = Unit::ALL.into_iter().find(is_date)
         && first.billionths >= 1_000_000_000 * u128::from(SECOND)

@@ -71,9 +71,12 @@ pub(crate) fn sniff(head: &[u8]) -> bool {
     !matches!(infer(head, None), Ok(None))
 }
 
-/// Why lines that begin like `head` can't be read: they fit two readings.
-pub(crate) fn question(head: &[u8], options: &ReadOptions) -> Option<Question> {
-    infer(head, options.columns.as_ref()).err()
+/// Whether lines that begin like `head` have a meaning.
+///
+/// # Errors
+/// [`Question`] if they fit two readings.
+pub(crate) fn has_meaning(head: &[u8], options: &ReadOptions) -> Result<bool, Question> {
+    infer(head, options.columns.as_ref()).map(|meaning| meaning.is_some())
 }
 
 pub(crate) fn open(source: Source, options: &ReadOptions) -> Box<dyn Reader> {

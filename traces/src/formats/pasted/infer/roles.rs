@@ -81,9 +81,9 @@ pub(super) fn time(sample: &Sample<'_>, layout: &mut Layout, given: Option<Unit>
     let down = times.windows(2).filter(|pair| pair[1].billionths < pair[0].billionths).count();
     layout.differences = down > 0 && down * 10 >= times.len();
     if layout.differences {
-        let mut sum = 0;
+        let mut sum = 0_u128;
         for time in &mut times {
-            sum += time.billionths;
+            sum = time.billionths.saturating_add(sum);
             time.billionths = sum;
         }
     }
