@@ -188,13 +188,11 @@ pub(crate) fn would_lose_zero_point(bench: &Bench<'_>) -> bool {
 pub(crate) fn put_back_memory(bench: &mut Bench<'_>, may_store: bool, may_preset: bool) -> Result<MemoryLeft, Stop> {
     bench.unjudged(|bench| {
         restart(bench)?;
-        // Some devices use restored defaults for one start and do not store them: the second start loads the memory.
-        if bench.traffic.watch.has_loaded() {
-            restart(bench)?;
-        }
         let mut left = memory_left(bench)?;
-        // Values that can't be read may have changed.
-        if may_store && !(left.changes.is_empty() && bench.changes.baseline.unseen.is_empty()) {
+        // Values that can't be read may have changed. Some devices use restored defaults until power-off and do not store
+        // them, which hides what a case has stored before.
+        let is_hidden = bench.traffic.watch.has_loaded() || !bench.changes.baseline.unseen.is_empty();
+        if may_store && (is_hidden || !left.changes.is_empty()) {
             store_settings(bench)?;
             restart(bench)?;
             left = memory_left(bench)?;

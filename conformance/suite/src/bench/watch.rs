@@ -165,8 +165,8 @@ impl Watch {
         self.stored
     }
 
-    /// Whether the device was commanded to restore its defaults in this case: the next start may use them instead of the
-    /// stored values, and the start after that the stored values again.
+    /// Whether the device was commanded to restore its defaults in this case: it may use them until power-off and keep
+    /// other values in its memory.
     pub fn has_loaded(&self) -> bool {
         self.loaded
     }
