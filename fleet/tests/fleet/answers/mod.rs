@@ -30,7 +30,7 @@ fn every_sample() {
 }
 
 #[test]
-fn two_hundred_generated_captures() {
+fn generated_captures_of_all_formats() {
     let engine = engine::Engine::new();
     let folder = tempfile::tempdir().unwrap();
     let mut count = 0;
@@ -40,5 +40,5 @@ fn two_hundred_generated_captures() {
             count += 1;
         }
     }
-    assert_eq!(count, 200, "20 of each of the ten formats");
+    assert_eq!(count, 220, "20 of each of the eleven formats");
 }
