@@ -183,7 +183,7 @@ fn a_pdo_that_stopped_before_something_else_happened() {
     check(back.every(31_100, 40_000, 100, |_| CONSTANT.to_owned()), "did not come for 10");
 }
 
-/// Before the event SYNC has ended, too, or the RPDOs, or the whole node was silent.
+/// The TPDO is not accused if SYNC, the RPDOs or the whole node fell silent together with it before the event.
 #[test]
 fn a_pdo_that_stopped_with_its_reason_before_something_else_happened() {
     let constant = |_| "0102030405060708".to_owned();

@@ -228,7 +228,7 @@ fn a_slave_that_starts_anew_is_not_in_configuration() {
     assert!(found.iter().all(|found| found.rule.id != "lss/left-in-configuration"), "{found:#?}");
 }
 
-/// What is missing from the capture may have ended the transfer; a reset ends it.
+/// A transfer does not count as left if a reset has ended it, or if frames are missing that may have ended it.
 #[test]
 fn a_transfer_that_a_gap_or_a_reset_may_have_ended() {
     for reset in [false, true] {

@@ -48,7 +48,7 @@ pub fn sentence(comparison: &Comparison) -> String {
     [in_use].into_iter().chain(stored).chain(zero_points).chain(behaviour).collect::<Vec<_>>().join(" ")
 }
 
-/// What the device has changed itself.
+/// The sentence about changed values that the device sets itself; empty if there are none.
 fn own(comparison: &Comparison) -> String {
     let own: Vec<&Change> = comparison.own().collect();
     match own.len() {
@@ -58,7 +58,8 @@ fn own(comparison: &Comparison) -> String {
     }
 }
 
-/// What was written to objects whose earlier values can't be written again.
+/// The sentence about objects that act when they are written, whose earlier values are not written again; empty if there
+/// are none.
 fn acting(comparison: &Comparison) -> String {
     let acting: Vec<&Change> = comparison.acting().collect();
     match acting.len() {

@@ -2,7 +2,7 @@
 
 use crate::columns::Unit;
 
-/// The meaning of a number before the data.
+/// The meaning of a column of numbers before the data.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Role {
     /// A number without a meaning for the frame, such as that of a line.
