@@ -184,7 +184,7 @@ impl PdoNumber {
     }
 
     /// The PDO whose mapping parameters have this index.
-    pub const fn of_mapping_index(index: u16) -> Option<Self> {
+    pub(crate) const fn of_mapping_index(index: u16) -> Option<Self> {
         match index {
             0x1600..=0x17FF => Some(Self::Receive(index - object::RPDO_MAPPING_PARAMETER + 1)),
             0x1A00..=0x1BFF => Some(Self::Transmit(index - object::TPDO_MAPPING_PARAMETER + 1)),

@@ -20,7 +20,7 @@ impl<T> PerNode<T> {
     }
 
     /// All entries by value, with their node-IDs.
-    pub fn into_all(self) -> impl Iterator<Item = (NodeId, T)> {
+    pub(crate) fn into_all(self) -> impl Iterator<Item = (NodeId, T)> {
         NodeId::all().zip(self.0.into_iter().skip(1))
     }
 
@@ -41,7 +41,7 @@ impl<T> PerNode<T> {
     }
 
     /// The entries that an NMT command addresses, mutable.
-    pub fn named_mut(&mut self, node: u8) -> impl Iterator<Item = (NodeId, &mut T)> {
+    pub(crate) fn named_mut(&mut self, node: u8) -> impl Iterator<Item = (NodeId, &mut T)> {
         let (places, ids) = named(node);
         ids.iter().copied().zip(self.0.get_mut(places).unwrap_or_default())
     }
@@ -66,7 +66,7 @@ impl<T: Default> PerNode<T> {
     }
 
     /// Resets the entries that an NMT command addresses to their default.
-    pub fn reset_named(&mut self, node: u8) {
+    pub(crate) fn reset_named(&mut self, node: u8) {
         match NodeId::new(node) {
             Some(node) => self[node] = T::default(),
             None if node == 0 => self.reset(),

@@ -17,7 +17,7 @@ use std::cmp::Ordering;
 use std::collections::BTreeMap;
 
 /// A measured time counts as unchanged if it differs by less than this percentage.
-pub const NOTICEABLE_PERCENT: u64 = 10;
+pub(crate) const NOTICEABLE_PERCENT: u64 = 10;
 
 /// A measured time counts as unchanged if it differs by less than this time, whatever the percentage, because timers
 /// and buses jitter.

@@ -314,7 +314,7 @@ pub fn json(document: &str) -> Cow<'_, str> {
 /// A stream that escapes JSON as [`json`] does, without holding large documents in memory. No write may cut a
 /// character; `serde_json` never does.
 #[derive(Debug)]
-pub struct JsonText<W>(pub W);
+pub(crate) struct JsonText<W>(pub W);
 
 impl<W: io::Write> io::Write for JsonText<W> {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {

@@ -95,7 +95,7 @@ pub fn fact(name: &str, value: &str) -> Markup {
 }
 
 /// The licence of the library that draws plots.
-pub fn plot_licence() -> Markup {
+pub(crate) fn plot_licence() -> Markup {
     html! { details { summary { "Plots are drawn by µPlot, under this licence" } pre { (UPLOT_LICENSE) } } }
 }
 

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 /// The text with a capital letter at its beginning.
-pub fn capitalised(text: &str) -> String {
+pub(crate) fn capitalised(text: &str) -> String {
     let mut chars = text.chars();
     chars.next().map(|first| first.to_uppercase().chain(chars).collect()).unwrap_or_default()
 }
@@ -44,6 +44,6 @@ pub fn counted(count: usize, one: &str) -> String {
 }
 
 /// `no warnings`, `1 warning`, `2 warnings`.
-pub fn none_or_counted(count: usize, one: &str) -> String {
+pub(crate) fn none_or_counted(count: usize, one: &str) -> String {
     if count == 0 { format!("no {one}s") } else { counted(count, one) }
 }

@@ -29,7 +29,7 @@ static DECIMAL_PAIRS: [[u8; 2]; 100] = {
 };
 
 /// The two hexadecimal digits of a byte.
-pub fn hex_pair(byte: u8) -> [u8; 2] {
+pub(crate) fn hex_pair(byte: u8) -> [u8; 2] {
     HEX_PAIRS[usize::from(byte)]
 }
 
@@ -43,7 +43,7 @@ pub fn push_front<const N: usize>(out: &mut Vec<u8>, block: &[u8; N], len: usize
 }
 
 /// Appends two hexadecimal digits for each byte, with `separator` between the bytes.
-pub fn push_hex(out: &mut Vec<u8>, bytes: &[u8], separator: Option<u8>) {
+pub(crate) fn push_hex(out: &mut Vec<u8>, bytes: &[u8], separator: Option<u8>) {
     // Eight bytes are appended at a time, as growing the buffer costs more than the digits.
     for (n, eight) in bytes.chunks(8).enumerate() {
         match separator {
@@ -69,14 +69,14 @@ pub fn push_hex(out: &mut Vec<u8>, bytes: &[u8], separator: Option<u8>) {
 }
 
 /// Appends the lower `digits` (at most 8) hexadecimal digits of a number.
-pub fn push_hex_number(out: &mut Vec<u8>, number: u32, digits: usize) {
+pub(crate) fn push_hex_number(out: &mut Vec<u8>, number: u32, digits: usize) {
     let [a, b, c, d] = number.to_be_bytes().map(hex_pair);
     let shown = [a[0], a[1], b[0], b[1], c[0], c[1], d[0], d[1]];
     out.extend_from_slice(&shown[shown.len() - digits.min(shown.len())..]);
 }
 
 /// Appends a decimal number.
-pub fn push_decimal(out: &mut Vec<u8>, mut n: u64) {
+pub(crate) fn push_decimal(out: &mut Vec<u8>, mut n: u64) {
     if n < 10 {
         return out.push(b'0' + n as u8);
     }
@@ -106,7 +106,7 @@ pub fn push_fraction(out: &mut Vec<u8>, mut n: u64, width: usize) {
 
 /// Appends the last six decimal digits of a number, the usual precision of times.
 #[inline]
-pub fn push_six_digits(out: &mut Vec<u8>, n: u32) {
+pub(crate) fn push_six_digits(out: &mut Vec<u8>, n: u32) {
     let [a, b, c] = [n / 10_000, n / 100, n].map(|pair| DECIMAL_PAIRS[(pair % 100) as usize]);
     out.extend_from_slice(&[a[0], a[1], b[0], b[1], c[0], c[1]]);
 }
@@ -121,7 +121,7 @@ pub fn pad(out: &mut Vec<u8>, start: usize, width: usize) {
 }
 
 /// Appends a text.
-pub fn push_text(out: &mut Vec<u8>, text: impl Display) {
+pub(crate) fn push_text(out: &mut Vec<u8>, text: impl Display) {
     // Writing to a vector can't fail.
     let _ = write!(Bytes(out), "{text}");
 }
@@ -137,7 +137,7 @@ impl fmt::Write for Bytes<'_> {
 }
 
 /// Appends the meaning of a frame.
-pub fn push_meaning(out: &mut Vec<u8>, meaning: &Meaning<'_>) {
+pub(crate) fn push_meaning(out: &mut Vec<u8>, meaning: &Meaning<'_>) {
     match meaning.fixed() {
         Some(text) => out.extend_from_slice(text.as_bytes()),
         None => push_text(out, meaning),
@@ -145,7 +145,7 @@ pub fn push_meaning(out: &mut Vec<u8>, meaning: &Meaning<'_>) {
 }
 
 /// Appends a JSON string. Characters that act instead of being shown are escaped, like those that JSON forbids.
-pub fn push_json_string(out: &mut Vec<u8>, text: impl Display) {
+pub(crate) fn push_json_string(out: &mut Vec<u8>, text: impl Display) {
     out.push(b'"');
     let _ = write!(JsonEscaped(out), "{text}");
     out.push(b'"');
@@ -180,7 +180,7 @@ impl JsonEscaped<'_> {
 }
 
 /// Appends a text on one line. Every character that acts instead of being shown becomes `�`.
-pub fn push_visible(out: &mut Vec<u8>, text: &str) {
+pub(crate) fn push_visible(out: &mut Vec<u8>, text: &str) {
     if text.bytes().all(|byte| matches!(byte, b' '..=b'~')) {
         out.extend_from_slice(text.as_bytes());
         return;

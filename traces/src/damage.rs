@@ -60,7 +60,7 @@ impl DamageKind {
 
 impl Damage {
     /// Maximum length of the found text that is kept, in characters.
-    pub const EXCERPT: usize = 60;
+    pub(crate) const EXCERPT: usize = 60;
 
     /// A damage at a place, with the expected text and the bytes found.
     pub fn new(kind: DamageKind, place: Place, expected: impl Into<Cow<'static, str>>, found: &[u8]) -> Self {
@@ -81,13 +81,13 @@ impl Damage {
     }
 
     /// Adds the readable part of the frame.
-    pub fn with_salvaged(mut self, record: Record) -> Self {
+    pub(crate) fn with_salvaged(mut self, record: Record) -> Self {
         self.salvaged = Some(Box::new(record));
         self
     }
 
     /// Adds the column in the line, from 1.
-    pub fn at_column(mut self, column: usize) -> Self {
+    pub(crate) fn at_column(mut self, column: usize) -> Self {
         self.column = Some(column.min(u32::MAX as usize) as u32);
         self
     }

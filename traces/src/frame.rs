@@ -100,7 +100,7 @@ impl ErrorClass {
 
 impl Frame {
     /// Maximum number of payload bytes inside a frame.
-    pub const INLINE: usize = 16;
+    pub(crate) const INLINE: usize = 16;
     /// The lengths that a CAN FD frame can have, by DLC.
     pub const FD_LENGTHS: [u8; 16] = [0, 1, 2, 3, 4, 5, 6, 7, 8, 12, 16, 20, 24, 32, 48, 64];
 

@@ -142,11 +142,6 @@ impl DataType {
             None => None,
         }
     }
-
-    /// Whether values are whole numbers or a boolean.
-    pub const fn is_integral(self) -> bool {
-        matches!(self.class(), Some(DataClass::Boolean | DataClass::Integer | DataClass::Unsigned))
-    }
 }
 
 /// `UNSIGNED32`, or `data type 00A0h` if CiA 301 has no name.

@@ -64,7 +64,7 @@ impl Losses {
     }
 
     /// Reports a non-empty text without a place in the format.
-    pub fn no_place(&mut self, line: u32, place: impl Into<String>, text: &str) {
+    pub(crate) fn no_place(&mut self, line: u32, place: impl Into<String>, text: &str) {
         if !text.trim().is_empty() {
             self.add(line, place, text, LossKind::NoPlace);
         }

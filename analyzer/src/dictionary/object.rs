@@ -17,9 +17,9 @@ impl ObjectCode {
     /// A large amount of data.
     pub const DOMAIN: Self = Self(2);
     /// The definition of a type.
-    pub const DEFTYPE: Self = Self(5);
+    pub(crate) const DEFTYPE: Self = Self(5);
     /// The definition of a record type.
-    pub const DEFSTRUCT: Self = Self(6);
+    pub(crate) const DEFSTRUCT: Self = Self(6);
     /// A single value.
     pub const VAR: Self = Self(7);
     /// Entries of the same type.
@@ -91,7 +91,7 @@ impl Access {
     }
 
     /// The access type of that name, ignoring case.
-    pub fn from_name(name: &str) -> Option<Self> {
+    pub(crate) fn from_name(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|access| name.eq_ignore_ascii_case(access.name()))
     }
 

@@ -55,7 +55,7 @@ pub fn is_coarse(quality: &Quality) -> bool {
 impl Scene<'_> {
     /// Error of a measured interval because of coarse times: two steps of the clock. Times that are multiples of a unit
     /// do not prove a coarse clock by themselves; two frames must have the same time.
-    pub fn slack(&self) -> Duration {
+    pub(crate) fn slack(&self) -> Duration {
         if self.quality.simultaneous > 0 && is_coarse(self.quality) {
             self.resolution().times(2)
         } else {
@@ -69,20 +69,20 @@ impl Scene<'_> {
     }
 
     /// The longest duration of a classical frame of 8 bytes on this bus; a millisecond if the bit rate is unknown.
-    pub fn longest_frame(&self) -> Duration {
+    pub(crate) fn longest_frame(&self) -> Duration {
         const BITS: u64 = 135;
         self.bit_rate.map_or(Duration::from_millis(1), |rate| Duration(BITS * 1_000_000_000 / u64::from(rate.max(1))))
     }
 
     /// Whether the node of a request had not booted when it was asked, and has booted since.
-    pub fn was_asked_too_early(&self, pending: &Pending) -> bool {
+    pub(crate) fn was_asked_too_early(&self, pending: &Pending) -> bool {
         let node = pending.request.decoded.node.filter(|_| pending.early);
         let booted = node.and_then(|node| self.facts.node(node).last_boot_up);
         booted.is_some_and(|boot_up| boot_up >= pending.request.time())
     }
 
     /// Whether the capture has times at all.
-    pub fn has_times(&self) -> bool {
+    pub(crate) fn has_times(&self) -> bool {
         self.quality.resolution.get().is_some()
     }
 }
@@ -99,7 +99,7 @@ impl<'a> Context<'a> {
     }
 
     /// Whether an NMT command changes the state of a node, so that periodic messages may begin anew.
-    pub const fn begins_anew(&self) -> bool {
+    pub(crate) const fn begins_anew(&self) -> bool {
         self.scene.facts.news.begins_anew
     }
 

@@ -7,14 +7,14 @@ use crate::message::Service;
 use std::sync::LazyLock;
 
 /// A rule with its metadata.
-pub type Watching = (&'static Metadata, Box<dyn Rule>);
+pub(crate) type Watching = (&'static Metadata, Box<dyn Rule>);
 
 /// Properties of a frame besides its service: a set of [`Also`].
 #[derive(Clone, Copy, Default)]
-pub struct Traits(u8);
+pub(crate) struct Traits(u8);
 
 /// The indexes of the rules for each service and each set of traits, so that a frame needs one look-up.
-pub struct Dispatch(Box<[Box<[u8]>]>);
+pub(crate) struct Dispatch(Box<[Box<[u8]>]>);
 
 static DISPATCH: LazyLock<Dispatch> = LazyLock::new(Dispatch::new);
 

@@ -91,42 +91,42 @@ impl Effect {
     }
 
     /// The findings of all rules that no other effect of the same rule names follow.
-    pub const fn on_the_rest() -> Self {
+    pub(crate) const fn on_the_rest() -> Self {
         Self::on(&[])
     }
 
     /// The findings of these rules do not follow.
-    pub const fn never_on(rules: &'static [&'static str]) -> Self {
+    pub(crate) const fn never_on(rules: &'static [&'static str]) -> Self {
         Self { time: Time::Never, ..Self::on(rules) }
     }
 
     /// Limits the effect to findings of the same node.
-    pub const fn of_same_node(self) -> Self {
+    pub(crate) const fn of_same_node(self) -> Self {
         Self { nodes: Nodes::Same, ..self }
     }
 
     /// Limits the effect to findings of other nodes.
-    pub const fn of_others(self) -> Self {
+    pub(crate) const fn of_others(self) -> Self {
         Self { nodes: Nodes::Other, ..self }
     }
 
     /// Limits the effect to findings that originate in the node of the cause.
-    pub const fn of_origin(self) -> Self {
+    pub(crate) const fn of_origin(self) -> Self {
         Self { nodes: Nodes::Origin, ..self }
     }
 
     /// Limits the effect to findings of the same kind.
-    pub const fn of_same_kind(self) -> Self {
+    pub(crate) const fn of_same_kind(self) -> Self {
         Self { kinds: Kinds::Same, ..self }
     }
 
     /// Limits the effect to findings with these EMCY codes.
-    pub const fn with_codes(self, codes: &'static [u64]) -> Self {
+    pub(crate) const fn with_codes(self, codes: &'static [u64]) -> Self {
         Self { kinds: Kinds::These(codes), ..self }
     }
 
     /// Limits the effect to findings that are less grave than the cause.
-    pub const fn if_less_grave(self) -> Self {
+    pub(crate) const fn if_less_grave(self) -> Self {
         Self { less_grave: true, ..self }
     }
 
@@ -137,7 +137,7 @@ impl Effect {
 
     /// Limits the effect to findings that begin between the first and the last time that the cause was seen, up to
     /// `settle` before or after.
-    pub const fn spanning(self, settle: Duration) -> Self {
+    pub(crate) const fn spanning(self, settle: Duration) -> Self {
         Self { time: Time::Spanning(settle), ..self }
     }
 

@@ -134,7 +134,7 @@ impl Interval {
 
 /// Statistics of early and late messages.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Jitter {
+pub(crate) struct Jitter {
     intervals: u64,
     off: u64,
     /// The largest deviation.

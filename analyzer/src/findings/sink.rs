@@ -139,7 +139,7 @@ impl<'e> Report<'e> {
     }
 
     /// Replaces the text of a reported finding, without counting another occurrence.
-    pub const fn amend(self) -> Self {
+    pub(crate) const fn amend(self) -> Self {
         Self { times: 0, ..self }
     }
 
@@ -270,7 +270,7 @@ impl Findings {
     pub const MOST_OF_RULE: usize = 200;
 
     /// The findings: the worst first, then by time.
-    pub fn into_sorted(self) -> (Vec<Finding>, Vec<(&'static str, u64)>) {
+    pub(crate) fn into_sorted(self) -> (Vec<Finding>, Vec<(&'static str, u64)>) {
         let mut list = self.list;
         list.sort_by(|a, b| b.severity.cmp(&a.severity).then(a.first.cmp(&b.first)).then(a.rule.id.cmp(b.rule.id)));
         let mut omitted: Vec<_> = self.omitted.into_iter().collect();

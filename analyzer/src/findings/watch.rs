@@ -24,7 +24,7 @@ pub struct Incoming<'a> {
 }
 
 /// Watches one bus.
-pub struct BusWatch {
+pub(crate) struct BusWatch {
     rules: Vec<Watching>,
     dispatch: &'static Dispatch,
     known: Known,
@@ -225,7 +225,7 @@ impl BusWatch {
     }
 
     /// The channel and its statistics.
-    pub fn into_statistics(self) -> (ChannelId, BusStatistics) {
+    pub(crate) fn into_statistics(self) -> (ChannelId, BusStatistics) {
         (self.known.channel, self.statistics.finish(self.known.now, self.known.said_bit_rate))
     }
 

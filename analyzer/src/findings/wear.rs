@@ -5,7 +5,7 @@ use super::seen::Seen;
 
 /// The limits for writes.
 #[derive(Clone, Copy)]
-pub struct WearLimits {
+pub(crate) struct WearLimits {
     /// A lower number of writes is not judged.
     pub times: u64,
     /// Number of writes that the memory bears.
@@ -16,7 +16,7 @@ pub struct WearLimits {
 
 /// Number of writes to a memory.
 #[derive(Default)]
-pub struct Wear {
+pub(crate) struct Wear {
     count: u64,
     first: Option<Seen>,
 }

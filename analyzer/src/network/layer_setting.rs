@@ -37,7 +37,7 @@ impl<T> Setting<T> {
 
 impl LayerSetting {
     /// A message of the LSS master.
-    pub fn lss_request(&mut self, now: Timestamp, request: lss::Request, events: &mut Vec<Event>) {
+    pub(crate) fn lss_request(&mut self, now: Timestamp, request: lss::Request, events: &mut Vec<Event>) {
         self.request(now, request, events);
         if let lss::Request::SwitchSelective { part, value } = request {
             if part == lss::Part::VendorId {
@@ -48,7 +48,7 @@ impl LayerSetting {
     }
 
     /// A message of the LMT master.
-    pub fn lmt_request(&mut self, now: Timestamp, request: lmt::Request, events: &mut Vec<Event>) {
+    pub(crate) fn lmt_request(&mut self, now: Timestamp, request: lmt::Request, events: &mut Vec<Event>) {
         self.request(now, request, events);
         if let lmt::Request::SwitchSelective { .. } = request {
             self.leave();

@@ -20,7 +20,7 @@ type Known = Option<Option<Layout>>;
 
 impl Layouts {
     /// Whether the layout of the PDO is computed, even if it is unknown.
-    pub fn is_worked_out(&self, pdo: PdoNumber) -> bool {
+    pub(crate) fn is_worked_out(&self, pdo: PdoNumber) -> bool {
         self.known(pdo).is_some()
     }
 

@@ -19,7 +19,7 @@ use crate::{CobId, Multiplexer, NodeId};
 use std::sync::Arc;
 
 /// Takes over the COB-IDs of a description.
-pub fn from_description(bus: &mut Bus, node: NodeId, description: &DeviceDescription) {
+pub(crate) fn from_description(bus: &mut Bus, node: NodeId, description: &DeviceDescription) {
     for (object, entry) in description.dictionary.entries() {
         let value = entry.start_value(node).and_then(|value| value.to_raw());
         if let Some(value) = value.and_then(|value| u32::try_from(value).ok()) {
@@ -29,7 +29,7 @@ pub fn from_description(bus: &mut Bus, node: NodeId, description: &DeviceDescrip
 }
 
 /// Takes over the value of a transfer, read or written, as the value of the server's object.
-pub fn from_transfer(bus: &mut Bus, index: ChannelIndex) {
+pub(crate) fn from_transfer(bus: &mut Bus, index: ChannelIndex) {
     let Some(channel) = bus.channels.get(usize::from(index.0)) else { return };
     let server = channel.server;
     let Some(transfer) = channel.transfer() else { return };
@@ -175,7 +175,7 @@ pub fn after_boot_up(bus: &mut Bus, node: NodeId) {
 }
 
 /// Handles the user's description of a node: the description holds from here on, unless the trace has shown otherwise.
-pub fn after_description(bus: &mut Bus, node: NodeId, device: &Arc<KnownDevice>) {
+pub(crate) fn after_description(bus: &mut Bus, node: NodeId, device: &Arc<KnownDevice>) {
     if bus.node_mut(node).parameters().next().is_some() {
         return described_late(bus, node, device, None);
     }
@@ -186,7 +186,7 @@ pub fn after_description(bus: &mut Bus, node: NodeId, device: &Arc<KnownDevice>)
 
 /// Handles the recognition of a node: the description of its model holds from here on, unless the trace has shown
 /// otherwise.
-pub fn after_recognition(bus: &mut Bus, node: NodeId, device: &Arc<KnownDevice>) {
+pub(crate) fn after_recognition(bus: &mut Bus, node: NodeId, device: &Arc<KnownDevice>) {
     described_late(bus, node, device, Some(Event::Recognised(node)));
 }
 
@@ -205,13 +205,13 @@ fn described_late(bus: &mut Bus, node: NodeId, device: &Arc<KnownDevice>, event:
 }
 
 /// Moves the knowledge of a node whose node-ID was set by writing an object.
-pub fn after_written_node_id(bus: &mut Bus, from: NodeId, to: NodeId, object: Multiplexer) {
+pub(crate) fn after_written_node_id(bus: &mut Bus, from: NodeId, to: NodeId, object: Multiplexer) {
     bus.events.push(Event::NodeIdChanged { from: Some(from), to, object: Some(object) });
     take_over_description(bus, from, to);
 }
 
 /// Moves the knowledge of a node whose node-ID was set by layer setting.
-pub fn after_new_node_id(bus: &mut Bus, to: NodeId, before: &Before) {
+pub(crate) fn after_new_node_id(bus: &mut Bus, to: NodeId, before: &Before) {
     let of_address = || NodeId::all().find(|&id| bus.node(id).is_some_and(|node| has_address(node, id, before)));
     let from = before.told.or_else(of_address);
     if from == Some(to) {

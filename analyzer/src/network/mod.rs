@@ -93,7 +93,7 @@ impl Decoded {
     }
 
     /// Whether the frame is a boot-up message that only repeats the boot-up message just before.
-    pub fn repeats_boot_up(&self) -> bool {
+    pub(crate) fn repeats_boot_up(&self) -> bool {
         self.service == Service::BootUp && self.event.is_none()
     }
 

@@ -138,7 +138,7 @@ impl Node {
     }
 
     /// Handles the restoring of defaults, which take effect at the next reset.
-    pub fn restore_defaults(&mut self) {
+    pub(crate) fn restore_defaults(&mut self) {
         // Device type, identity and constants of the construction belong to the device: restoring defaults does not
         // change them.
         self.stored.retain(|object, _| {
@@ -198,7 +198,7 @@ impl Node {
     }
 
     /// The layout of an SRDO's data; `None` if its mapping is unknown.
-    pub fn srdo_layout(&mut self, id: NodeId, number: u8) -> Option<&Layout> {
+    pub(crate) fn srdo_layout(&mut self, id: NodeId, number: u8) -> Option<&Layout> {
         if !self.srdo_layouts.contains_key(&number) {
             let index = srdo::mapping_index(number);
             let of = |sub| self.parameter(id, Multiplexer::new(index, sub));

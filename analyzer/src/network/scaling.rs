@@ -7,7 +7,7 @@ use crate::object;
 use crate::{Multiplexer, NodeId};
 
 /// Whether the values of other objects depend on this object.
-pub fn is_scaling_parameter(object: Multiplexer) -> bool {
+pub(crate) fn is_scaling_parameter(object: Multiplexer) -> bool {
     object.index.0 == object::DEVICE_TYPE || is_of_profile(object) && names::has_role(object.index, Role::Scaling)
 }
 

@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 /// The SRDO pairs of a bus. Two CAN-IDs are a pair only after the inverted data followed the data; until then their
 /// frames have no known use.
 #[derive(Clone, Default)]
-pub struct SrdoPairs {
+pub(crate) struct SrdoPairs {
     /// The pairs by [`Pair::position`]; empty before the first frame.
     pairs: Vec<PairState>,
     /// The pairs with known parameters, by node and number.

@@ -20,7 +20,7 @@ pub enum Acting {
 
 impl Acting {
     /// The action of an object of the communication profile (CiA 301, 7.5.2; CiA 302).
-    pub const fn of_communication(at: Multiplexer) -> Option<Self> {
+    pub(crate) const fn of_communication(at: Multiplexer) -> Option<Self> {
         Some(match at.index.0 {
             super::PREDEFINED_ERROR_FIELD => Self::Clears,
             super::STORE_PARAMETERS | super::RESTORE_DEFAULT_PARAMETERS => Self::Stores,

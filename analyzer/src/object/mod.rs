@@ -57,9 +57,9 @@ pub const SYNCHRONOUS_COUNTER_OVERFLOW: u16 = 0x1019;
 /// 1020h: verify configuration.
 pub const VERIFY_CONFIGURATION: u16 = 0x1020;
 /// 1023h: operating system command.
-pub const OS_COMMAND: u16 = 0x1023;
+pub(crate) const OS_COMMAND: u16 = 0x1023;
 /// 1026h: operating system prompt.
-pub const OS_PROMPT: u16 = 0x1026;
+pub(crate) const OS_PROMPT: u16 = 0x1026;
 /// 1028h: emergency consumer object.
 pub const EMERGENCY_CONSUMER: u16 = 0x1028;
 /// 1029h: error behavior object.
@@ -81,17 +81,17 @@ pub const TPDO_MAPPING_PARAMETER: u16 = 0x1A00;
 /// 1C00h: the first index after the TPDO mapping parameters.
 pub const AFTER_PDO_PARAMETERS: u16 = 0x1C00;
 /// 1F25h: configure slave: a write lets a configuration manager download to others (CiA 302-3).
-pub const CONFIGURE_SLAVE: u16 = 0x1F25;
+pub(crate) const CONFIGURE_SLAVE: u16 = 0x1F25;
 /// 1F50h: download program data (CiA 302-3).
-pub const PROGRAM_DATA: u16 = 0x1F50;
+pub(crate) const PROGRAM_DATA: u16 = 0x1F50;
 /// 1F51h: program control (CiA 302-3).
-pub const PROGRAM_CONTROL: u16 = 0x1F51;
+pub(crate) const PROGRAM_CONTROL: u16 = 0x1F51;
 /// 1F80h: NMT startup (CiA 302-2).
 pub const NMT_STARTUP: u16 = 0x1F80;
 /// 1F82h: request NMT: a write commands other nodes (CiA 302-2).
-pub const REQUEST_NMT: u16 = 0x1F82;
+pub(crate) const REQUEST_NMT: u16 = 0x1F82;
 /// 1F83h: request guarding (CiA 302-2).
-pub const REQUEST_GUARDING: u16 = 0x1F83;
+pub(crate) const REQUEST_GUARDING: u16 = 0x1F83;
 
 /// Whether an index belongs to the communication parameter of an RPDO.
 pub const fn is_rpdo_communication(index: u16) -> bool {

@@ -139,7 +139,7 @@ impl Statistics {
     }
 
     /// The inferred bit rate in bit/s, if the frames show it.
-    pub fn inferred_bit_rate(&self) -> Option<u32> {
+    pub(crate) fn inferred_bit_rate(&self) -> Option<u32> {
         let slack = if self.fine > 0 { Duration::from_micros(2) } else { Duration::from_millis(1) };
         let fullest = self.peak.with(self.window, self.bits.iter().sum()).map_or(0, |best| best.1);
         self.bit_rate.inferred(slack, fullest)

@@ -44,7 +44,7 @@ impl Default for Load {
 
 impl Load {
     /// Maximum number of bins.
-    pub const BINS: usize = 1024;
+    pub(crate) const BINS: usize = 1024;
     /// The initial width of bins.
     pub const FINEST: Duration = Duration::from_millis(100);
 

@@ -78,14 +78,8 @@ impl EmcyCode {
     pub const NO_ERROR: Self = Self(0x0000);
     /// Generic error.
     pub const GENERIC: Self = Self(0x1000);
-    /// CAN overrun (objects lost).
-    pub const CAN_OVERRUN: Self = Self(0x8110);
-    /// CAN in error passive mode.
-    pub const ERROR_PASSIVE: Self = Self(0x8120);
     /// Life guard error or heartbeat error.
     pub const HEARTBEAT: Self = Self(0x8130);
-    /// Recovered from bus off.
-    pub const BUS_OFF_RECOVERED: Self = Self(0x8140);
     /// PDO not processed due to length error.
     pub const PDO_LENGTH: Self = Self(0x8210);
     /// PDO length exceeded.
@@ -120,7 +114,7 @@ impl EmcyCode {
 }
 
 /// Error codes and classes of CiA 301 (table of emergency error codes); a class `nnxx` stands as nn00h.
-pub const EMCY_CODES: &[(u16, &str)] = &[
+pub(crate) const EMCY_CODES: &[(u16, &str)] = &[
     (0x0000, "error reset or no error"),
     (0x1000, "generic error"),
     (0x2000, "current"),
@@ -162,9 +156,9 @@ impl ErrorRegister {
     /// Bit 0: generic error, set with every other bit.
     pub const GENERIC: Self = Self(0x01);
     /// Bit 1: current.
-    pub const CURRENT: Self = Self(0x02);
+    pub(crate) const CURRENT: Self = Self(0x02);
     /// Bit 2: voltage.
-    pub const VOLTAGE: Self = Self(0x04);
+    pub(crate) const VOLTAGE: Self = Self(0x04);
     /// Bit 3: temperature.
     pub const TEMPERATURE: Self = Self(0x08);
     /// Bit 4: communication error (overrun, error state).
@@ -175,7 +169,7 @@ impl ErrorRegister {
     pub const MANUFACTURER: Self = Self(0x80);
 
     /// The bits' names, bit 0 first.
-    pub const BIT_NAMES: [&'static str; 8] =
+    pub(crate) const BIT_NAMES: [&'static str; 8] =
         ["generic", "current", "voltage", "temperature", "communication", "device profile", "reserved", "manufacturer"];
 
     /// The names of the set bits.

@@ -23,7 +23,7 @@ pub struct ErrorFrame {
 }
 
 /// The bits of byte 1, the state of the controller.
-pub const CONTROLLER: [(u8, &str); 7] = [
+pub(crate) const CONTROLLER: [(u8, &str); 7] = [
     (0x01, "receive overflow"),
     (0x02, "transmit overflow"),
     (0x04, "receive warning level"),
@@ -34,7 +34,7 @@ pub const CONTROLLER: [(u8, &str); 7] = [
 ];
 
 /// The bits of byte 2, the type of a protocol violation.
-pub const VIOLATION: [(u8, &str); 8] = [
+pub(crate) const VIOLATION: [(u8, &str); 8] = [
     (0x01, "single bit error"),
     (0x02, "form error"),
     (0x04, "bit stuffing error"),
@@ -46,7 +46,7 @@ pub const VIOLATION: [(u8, &str); 8] = [
 ];
 
 /// The values of byte 3, where in the frame a protocol violation was.
-pub const LOCATION: [(u8, &str); 19] = [
+pub(crate) const LOCATION: [(u8, &str); 19] = [
     (0x02, "identifier bits 28 to 21"),
     (0x03, "start of frame"),
     (0x04, "substitute RTR"),

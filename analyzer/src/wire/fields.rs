@@ -97,7 +97,10 @@ pub(super) mod tests {
 
     /// Every bit of a field that is not reserved changes the parsed message, and no reserved bit does. `passed_over`
     /// names fields that carry a value only in some messages of a layout.
-    pub fn heeded<M: Fields + PartialEq + std::fmt::Debug>(payload: &[u8], passed_over: impl Fn(&M, Field) -> bool) {
+    pub(crate) fn heeded<M: Fields + PartialEq + std::fmt::Debug>(
+        payload: &[u8],
+        passed_over: impl Fn(&M, Field) -> bool,
+    ) {
         let Ok(message) = M::read(payload) else { return };
         for field in message.layout().fields.iter().filter(|field| !passed_over(&message, **field)) {
             for bit in field.first..field.first + field.bits {

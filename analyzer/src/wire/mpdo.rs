@@ -37,7 +37,7 @@ pub struct Mpdo {
 
 impl Addressing {
     /// The addressing for the count of a mapping (sub-index 0 of 1600h.., 1A00h..); `None` for an ordinary PDO.
-    pub const fn of_mapping_count(count: u32) -> Option<Self> {
+    pub(crate) const fn of_mapping_count(count: u32) -> Option<Self> {
         match count {
             0xFE => Some(Self::Source),
             0xFF => Some(Self::Destination),

@@ -15,7 +15,7 @@ use crate::NodeId;
 use std::fmt;
 
 /// The CAN-ID of the global fail-safe command.
-pub const GLOBAL_FAIL_SAFE_CAN_ID: u16 = 0x001;
+pub(crate) const GLOBAL_FAIL_SAFE_CAN_ID: u16 = 0x001;
 /// The CAN-IDs of the predefined pairs.
 pub const CAN_IDS: std::ops::RangeInclusive<u16> = 0x101..=0x180;
 /// The CAN-ID of the data of node 0; twice the node-ID is added.
@@ -102,7 +102,7 @@ impl Pair {
 }
 
 /// Whether two payloads are each other's inverse. Empty payloads prove nothing, so they do not count as inverse.
-pub fn is_inverse(normal: &[u8], inverted: &[u8]) -> bool {
+pub(crate) fn is_inverse(normal: &[u8], inverted: &[u8]) -> bool {
     !normal.is_empty() && normal.len() == inverted.len() && normal.iter().zip(inverted).all(|(a, b)| *a == !*b)
 }
 

@@ -63,7 +63,7 @@ impl Inbox {
     }
 
     /// Removes an own frame that could not be sent, unless the reader has taken it already.
-    pub fn retract(&self, record: &Record) {
+    pub(crate) fn retract(&self, record: &Record) {
         let mut state = self.state();
         if let Some(at) = state.records.iter().rposition(|delivered| delivered == record) {
             state.records.remove(at);
@@ -76,7 +76,7 @@ impl Inbox {
     }
 
     /// Sets whether the receiving thread holds frames of the system that are not in the queue yet.
-    pub fn set_delivering(&self, delivering: bool) {
+    pub(crate) fn set_delivering(&self, delivering: bool) {
         self.delivering.store(delivering, Ordering::SeqCst);
     }
 
@@ -91,14 +91,14 @@ impl Inbox {
     }
 
     /// Begins an interruption because the transmit queue stays full; it ends when a frame is taken.
-    pub fn note_stuck(&self, now: Timestamp, trouble: String) {
+    pub(crate) fn note_stuck(&self, now: Timestamp, trouble: String) {
         if !self.stuck.swap(true, Ordering::SeqCst) {
             self.note(|health| health.went_away(now, trouble));
         }
     }
 
     /// Notes that the transmit queue has taken a frame.
-    pub fn note_taken(&self, now: Timestamp) {
+    pub(crate) fn note_taken(&self, now: Timestamp) {
         if self.stuck.swap(false, Ordering::SeqCst) {
             self.note(|health| health.came_back(now));
         }

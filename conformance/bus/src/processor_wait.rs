@@ -18,7 +18,7 @@ pub(crate) struct ProcessorWait {
 
 impl ProcessorWait {
     /// Counts the wait of the calling thread from now on.
-    pub fn of_this_thread() -> Self {
+    pub(crate) fn of_this_thread() -> Self {
         let mut wait = Self {
             #[cfg(target_os = "linux")]
             counts: File::open("/proc/thread-self/schedstat").ok(),
@@ -29,7 +29,7 @@ impl ProcessorWait {
     }
 
     /// The wait since the last call.
-    pub fn since_last(&mut self) -> Duration {
+    pub(crate) fn since_last(&mut self) -> Duration {
         let before = self.waited;
         self.waited = self.counted().unwrap_or(before);
         Duration(self.waited.saturating_sub(before))

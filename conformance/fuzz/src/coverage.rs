@@ -304,7 +304,13 @@ impl Coverage {
     }
 
     /// Counts a frame with a 29-bit identifier, which the server must ignore.
-    pub fn sdo_frame(&mut self, state: Option<SdoState>, command: Command, frame: &Frame, knowledge: &Knowledge) {
+    pub(crate) fn sdo_frame(
+        &mut self,
+        state: Option<SdoState>,
+        command: Command,
+        frame: &Frame,
+        knowledge: &Knowledge,
+    ) {
         let twin = canvass_analyzer::wire::sdo::REQUEST_BASE + u16::from(knowledge.node.raw());
         if let Some(state) = state.filter(|_| frame.id().raw() == u32::from(twin)) {
             self.sdo(state, command, Answer::None);
@@ -317,18 +323,18 @@ impl Coverage {
     }
 
     /// Number of times that the SDO server got the command in the state.
-    pub fn sdo_count(&self, state: SdoState, command: Command) -> u64 {
+    pub(crate) fn sdo_count(&self, state: SdoState, command: Command) -> u64 {
         self.sdo[state as usize][command as usize].iter().sum()
     }
 
     /// Number of times that the LSS slave got the command in the state.
-    pub fn lss_count(&self, state: LssState, command: LssCommand) -> u64 {
+    pub(crate) fn lss_count(&self, state: LssState, command: LssCommand) -> u64 {
         self.lss[state as usize][command as usize].iter().sum()
     }
 
     /// The combinations of SDO state and command that can be reached. Block segments exist only in a block download,
     /// where the server reads every frame of eight bytes as a segment, except an abort.
-    pub fn sdo_pairs(reach: SdoReach) -> impl Iterator<Item = (SdoState, Command)> {
+    pub(crate) fn sdo_pairs(reach: SdoReach) -> impl Iterator<Item = (SdoState, Command)> {
         let states = SdoState::ALL.iter().copied().filter(move |&state| reach.has(state));
         let pairs = states.flat_map(|state| Command::ALL.iter().map(move |&command| (state, command)));
         pairs.filter(|&(state, command)| match state {
@@ -340,7 +346,7 @@ impl Coverage {
     }
 
     /// The combinations of LSS state and command that can be reached.
-    pub fn lss_pairs(reach: &LssReach) -> impl Iterator<Item = (LssState, LssCommand)> + '_ {
+    pub(crate) fn lss_pairs(reach: &LssReach) -> impl Iterator<Item = (LssState, LssCommand)> + '_ {
         let pairs = reach.states.iter().flat_map(|&state| LssCommand::ALL.iter().map(move |&command| (state, command)));
         pairs.filter(|(_, command)| !reach.never.contains(command))
     }

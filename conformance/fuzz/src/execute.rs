@@ -360,21 +360,21 @@ impl Executor {
     }
 
     /// Makes the next sequence begin with a reset, whatever state the last one has left.
-    pub const fn forget_rest(&mut self) {
+    pub(crate) const fn forget_rest(&mut self) {
         self.condition.left = Left::Unknown;
     }
 
     /// Handles a violation that did not come back: an answer may have come too late, or the device may serve later
     /// frames before earlier ones. Silence has to last longer for a while. If this happens again and again, the fuzzer
     /// waits for silence after each frame.
-    pub fn distrust(&mut self, property: Property) {
+    pub(crate) fn distrust(&mut self, property: Property) {
         self.tally.unjudged += 1;
         self.waits.trusts.doubt(property, self.knowledge.patience.answer);
     }
 
     /// Whether the device has so far served frames in their order. Then the answer to a later request proves that
     /// earlier frames have taken effect.
-    pub const fn is_in_order(&self, property: Property) -> bool {
+    pub(crate) const fn is_in_order(&self, property: Property) -> bool {
         self.waits.trusts.is_in_order(property)
     }
 

@@ -364,7 +364,7 @@ impl Known {
     }
 
     /// Whether a value lies within the limits.
-    pub fn in_limits(&self, raw: u64) -> bool {
+    pub(crate) fn in_limits(&self, raw: u64) -> bool {
         let Some(value) = Value::from_raw(self.data_type, raw).and_then(|value| value.as_number()) else { return true };
         self.limits.0.is_none_or(|low| value >= low) && self.limits.1.is_none_or(|high| value <= high)
     }

@@ -78,13 +78,13 @@ impl Trusts {
     }
 
     /// Whether an answer to a later request proves that the frames before it have taken effect.
-    pub const fn are_in_order(&self) -> bool {
+    pub(crate) const fn are_in_order(&self) -> bool {
         self.others.is_in_order() && (!self.awaits_lss || self.lss.is_in_order())
     }
 
     /// Whether an answer of the property's service to a later request proves that the requests before it have taken
     /// effect.
-    pub const fn is_in_order(&self, property: Property) -> bool {
+    pub(crate) const fn is_in_order(&self, property: Property) -> bool {
         if is_lss(property) { self.lss.is_in_order() } else { self.others.is_in_order() }
     }
 }

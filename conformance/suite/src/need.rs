@@ -255,7 +255,7 @@ pub(crate) mod tests {
     }
 
     /// The reason why a device with this dictionary and without description does not meet a need; `None` if it does.
-    pub fn unmet(need: &'static Need, rows: &[Row]) -> Option<String> {
+    pub(crate) fn unmet(need: &'static Need, rows: &[Row]) -> Option<String> {
         let target = Target::unknown(NodeId::new(NODE).unwrap());
         let asked = asked(need, dictionary(rows.to_vec()), &target, &Options::default());
         asked.err().map(|stop| stop.reason().actual)
@@ -263,7 +263,7 @@ pub(crate) mod tests {
 
     /// Requires that the need is met if all of these objects exist (and are writable, if `written`), and that it is not
     /// met if one of them is absent.
-    pub fn assert_needs(need: &'static Need, objects: &[(u16, u8)], written: bool) {
+    pub(crate) fn assert_needs(need: &'static Need, objects: &[(u16, u8)], written: bool) {
         let rows: Vec<Row> = objects.iter().map(|&at| (at, vec![0, 0], true)).collect();
         assert_eq!(unmet(need, &rows), None, "{need:?}");
         for missing in 0..rows.len() {

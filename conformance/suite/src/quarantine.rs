@@ -66,7 +66,7 @@ pub(crate) fn day(date: Datetime) -> Result<String, String> {
 
 impl Quarantine {
     /// Whether the quarantine is over on this day (`YYYY-MM-DD`).
-    pub fn has_expired(&self, today: &str) -> bool {
+    pub(crate) fn has_expired(&self, today: &str) -> bool {
         self.until.as_str() < today
     }
 

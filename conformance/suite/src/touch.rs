@@ -50,7 +50,7 @@ impl Touch {
     }
 
     /// Whether the device may become unreachable, or lose the user's configuration, if the case goes wrong.
-    pub const fn can_lose_the_device(self) -> bool {
+    pub(crate) const fn can_lose_the_device(self) -> bool {
         matches!(self, Self::NodeId | Self::BitRate | Self::FactoryDefaults)
     }
 

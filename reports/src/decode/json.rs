@@ -73,7 +73,7 @@ impl Lines for JsonLines {
 }
 
 /// Appends the schema as a member of the first object.
-pub fn push_schema(schema: &str, out: &mut Vec<u8>) {
+pub(crate) fn push_schema(schema: &str, out: &mut Vec<u8>) {
     out.extend_from_slice(b"\"schema\":\"");
     out.extend_from_slice(schema.as_bytes());
     out.extend_from_slice(b"\",");
@@ -89,7 +89,7 @@ pub const fn source_name(source: Source) -> &'static str {
 }
 
 /// Appends the violated rule, with a comma before it.
-pub fn push_violation(violation: Violation, out: &mut Vec<u8>) {
+pub(crate) fn push_violation(violation: Violation, out: &mut Vec<u8>) {
     out.extend_from_slice(b",\"violation\":{\"rule\":\"");
     out.extend_from_slice(violation.name().as_bytes());
     out.extend_from_slice(b"\",\"text\":");

@@ -127,7 +127,7 @@ impl Lines for TextLines {
 }
 
 /// Appends the node-ID, three columns wide.
-pub fn push_node(node: Option<NodeId>, out: &mut Vec<u8>) {
+pub(crate) fn push_node(node: Option<NodeId>, out: &mut Vec<u8>) {
     out.extend_from_slice(&node_columns(node));
 }
 

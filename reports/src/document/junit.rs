@@ -68,18 +68,18 @@ impl Suite {
     }
 
     /// Adds properties of the run.
-    pub fn add_properties<K: Into<String>>(&mut self, properties: impl IntoIterator<Item = (K, String)>) {
+    pub(crate) fn add_properties<K: Into<String>>(&mut self, properties: impl IntoIterator<Item = (K, String)>) {
         self.properties.extend(properties.into_iter().map(|(name, value)| (name.into(), value)));
     }
 
     /// Sets the time of the first frame. On a simulated bus it counts from power-on, so that the same run gives the
     /// same bytes.
-    pub fn set_began(&mut self, began: Timestamp) {
+    pub(crate) fn set_began(&mut self, began: Timestamp) {
         self.began = began;
     }
 
     /// Adds cases.
-    pub fn add_cases(&mut self, cases: impl IntoIterator<Item = Case>) {
+    pub(crate) fn add_cases(&mut self, cases: impl IntoIterator<Item = Case>) {
         self.cases.extend(cases);
     }
 

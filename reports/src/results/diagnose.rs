@@ -9,7 +9,7 @@ use std::collections::BTreeMap;
 const SCHEMA: &str = "canvass/diagnose/1";
 
 /// Something by the service of the frames.
-pub type ByService<T> = BTreeMap<Word, T>;
+pub(crate) type ByService<T> = BTreeMap<Word, T>;
 
 /// The result of `canvass diagnose`. Findings and nodes are sequences of any kind: they are made while they are written.
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize, JsonSchema)]

@@ -39,11 +39,6 @@ impl Form {
         }
     }
 
-    /// The format of that name, ignoring case.
-    pub fn from_name(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|form| name.eq_ignore_ascii_case(form.name()))
-    }
-
     /// Whether the format describes one configured device.
     pub const fn is_configuration(self) -> bool {
         matches!(self, Self::Dcf | Self::Xdc)

@@ -29,7 +29,7 @@ fn files() -> Vec<(PathBuf, Vec<u8>)> {
         for entry in std::fs::read_dir(root.join(folder)).unwrap() {
             let path = entry.unwrap().path();
             let ending = path.extension().unwrap_or_default().to_string_lossy().into_owned();
-            if Form::from_name(&ending).is_some() {
+            if Form::ALL.iter().any(|form| form.name() == ending) {
                 files.push((path.clone(), std::fs::read(&path).unwrap()));
             }
         }

@@ -22,12 +22,12 @@ impl<'s> Fields<'s, '_> {
     }
 
     /// Reports a problem of the section as a whole.
-    pub fn report_section(&mut self, rule: &'static Rule, expected: &'static str, found: &str) {
+    pub(crate) fn report_section(&mut self, rule: &'static Rule, expected: &'static str, found: &str) {
         self.problems.report(self.section.place(), rule, expected, found);
     }
 
     /// The text of an optional field.
-    pub fn optional_text(&self, field: FieldName) -> Option<&'s str> {
+    pub(crate) fn optional_text(&self, field: FieldName) -> Option<&'s str> {
         self.section.field(field).map(|field| field.value())
     }
 
@@ -60,7 +60,7 @@ impl<'s> Fields<'s, '_> {
     }
 
     /// Reports fields that the section should not have.
-    pub fn check_known(&mut self, known: impl Fn(Field<'_>) -> bool) {
+    pub(crate) fn check_known(&mut self, known: impl Fn(Field<'_>) -> bool) {
         for field in self.section.fields() {
             if !known(field) {
                 let expected = "a field that CiA 306 defines here";

@@ -72,7 +72,7 @@ impl ObjectName {
     }
 
     /// The number among several entries of the same kind, from 1; `None` if there is only one.
-    pub fn entry_number(&self) -> Option<u8> {
+    pub(crate) fn entry_number(&self) -> Option<u8> {
         let entry = self.entry.filter(|entry| entry.first != entry.last)?;
         Some(self.address.sub.0 - entry.first + 1)
     }
@@ -101,14 +101,14 @@ pub fn object_name(address: Multiplexer, profile: Option<u16>) -> Option<ObjectN
 }
 
 /// The object of a standard with this index.
-pub fn standard_object(index: Index, profile: Option<u16>) -> Option<&'static StandardObject> {
+pub(crate) fn standard_object(index: Index, profile: Option<u16>) -> Option<&'static StandardObject> {
     let table = in_area(index, profile);
     let position = table.partition_point(|object| object.last < index.0);
     table.get(position).filter(|object| object.first <= index.0)
 }
 
 /// All objects of the standard that covers the index; empty if no standard does.
-pub fn in_area(index: Index, profile: Option<u16>) -> &'static [StandardObject] {
+pub(crate) fn in_area(index: Index, profile: Option<u16>) -> &'static [StandardObject] {
     match (index.0, profile) {
         (0x1000..=0x1EFF, _) => cia301::OBJECTS,
         (0x1F00..=0x1FFF, _) => cia302::OBJECTS,

@@ -29,7 +29,7 @@ impl Unit {
     }
 
     /// Whether raw and physical values are the same numbers.
-    pub fn is_raw(&self) -> bool {
+    pub(crate) fn is_raw(&self) -> bool {
         self.factor == 1.0 && self.offset == 0.0
     }
 }

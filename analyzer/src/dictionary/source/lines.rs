@@ -17,7 +17,7 @@ pub(super) struct Line<'t> {
 
 impl<'t> Line<'t> {
     /// The line without blanks and zeros at both ends.
-    pub fn trimmed(self) -> Self {
+    pub(crate) fn trimmed(self) -> Self {
         let is_before = |character| is_blank(character) || character == MARK && self.start == 0;
         let text = if self.is_plain { self.text.trim_ascii_start() } else { self.text.trim_start_matches(is_before) };
         let cut = self.text.len() - text.len();

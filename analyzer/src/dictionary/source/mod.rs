@@ -135,7 +135,7 @@ impl<'a> Source<'a> {
     }
 
     /// Whether the text is XML.
-    pub const fn is_xml(&self) -> bool {
+    pub(crate) const fn is_xml(&self) -> bool {
         self.is_xml
     }
 

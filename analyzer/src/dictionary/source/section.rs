@@ -31,7 +31,7 @@ impl<'s> Section<'s> {
     }
 
     /// The place of the section's name.
-    pub const fn name_span(self) -> Span {
+    pub(crate) const fn name_span(self) -> Span {
         self.part.name
     }
 
@@ -68,7 +68,7 @@ impl<'s> Section<'s> {
     }
 
     /// All fields of the section, including repeated ones.
-    pub fn all_fields(self) -> impl DoubleEndedIterator<Item = Field<'s>> + use<'s> {
+    pub(crate) fn all_fields(self) -> impl DoubleEndedIterator<Item = Field<'s>> + use<'s> {
         let (first, end) = self.part.fields;
         let parts = self.source.tree.fields.get(first as usize..end as usize).unwrap_or_default();
         (first..end).zip(parts).map(move |(number, part)| Field { section: self, part, number })
@@ -85,7 +85,7 @@ impl<'s> Section<'s> {
     }
 
     /// The field at a place, which may be anywhere from the beginning of its name to the end of its value.
-    pub fn field_at(self, at: usize) -> Option<Field<'s>> {
+    pub(crate) fn field_at(self, at: usize) -> Option<Field<'s>> {
         self.field_in(self.source.position(at).0).filter(|field| field.whole().touches(at))
     }
 
@@ -121,7 +121,7 @@ impl<'s> Section<'s> {
     }
 
     /// The place of an attribute; the place of the element if the attribute is missing.
-    pub fn place_of_attribute<'p>(self, name: &'p str) -> Place<'p>
+    pub(crate) fn place_of_attribute<'p>(self, name: &'p str) -> Place<'p>
     where
         's: 'p,
     {
@@ -176,11 +176,11 @@ impl<'s> Field<'s> {
         self.part.line
     }
 
-    pub const fn name_span(self) -> Span {
+    pub(crate) const fn name_span(self) -> Span {
         self.part.name
     }
 
-    pub const fn value_span(self) -> Span {
+    pub(crate) const fn value_span(self) -> Span {
         self.part.value
     }
 
@@ -195,7 +195,7 @@ impl<'s> Field<'s> {
     }
 
     /// The place for problems of the field's name.
-    pub fn place_of_name(self) -> Place<'s> {
+    pub(crate) fn place_of_name(self) -> Place<'s> {
         Place { spot: self.part.spot_of_name(), ..self.place() }
     }
 }

@@ -47,7 +47,7 @@ pub(in crate::dictionary) enum ModulePart {
 impl SectionName {
     /// The object or entry of a section name in the standard's spelling, ignoring case; most sections have this
     /// spelling.
-    pub fn parse_standard(name: &str) -> Option<Self> {
+    pub(crate) fn parse_standard(name: &str) -> Option<Self> {
         let (index, rest) = name.as_bytes().split_first_chunk::<4>()?;
         let index = index.iter().try_fold(0, |index, &digit| Some(index << 4 | u16::from(nibble(digit)?)))?;
         Some(match rest {

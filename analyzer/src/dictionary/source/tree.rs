@@ -170,7 +170,7 @@ impl FieldPart {
     }
 
     /// The place for problems of the field's name: the name, or the line if the name is empty.
-    pub const fn spot_of_name(&self) -> Spot {
+    pub(crate) const fn spot_of_name(&self) -> Spot {
         if self.name.is_empty() { Spot::Line } else { Spot::Exact(self.name) }
     }
 }

@@ -4,7 +4,7 @@ use canvass_traces::{Duration, Timestamp};
 
 /// Detects intervals that alternate between a long and a short one with a constant sum.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Interleaving {
+pub(crate) struct Interleaving {
     last: Option<Timestamp>,
     /// The last two intervals, the later one last.
     before: [u64; 2],

@@ -186,7 +186,7 @@ impl Facts {
 
     /// The outage of a node: a silence that is longer than its heartbeat or guarding allows, without an explanation.
     #[cold]
-    pub fn outage(&self, node: NodeId, now: Timestamp) -> Option<Outage> {
+    pub(crate) fn outage(&self, node: NodeId, now: Timestamp) -> Option<Outage> {
         let period = self.heartbeats.of(node).period();
         self.presence.outage(node, now, &self.nodes[node], period, self.layer_setting)
     }
@@ -204,7 +204,7 @@ impl Facts {
     }
 
     /// Whether a node lives, and must send its PDOs.
-    pub fn must_send(&self, node: NodeId, now: Timestamp) -> bool {
+    pub(crate) fn must_send(&self, node: NodeId, now: Timestamp) -> bool {
         let facts = &self.nodes[node];
         facts.operational && !facts.is_storing(now) && self.outage(node, now).is_none()
     }

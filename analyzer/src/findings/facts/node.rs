@@ -70,24 +70,24 @@ impl NodeFacts {
     }
 
     /// Whether the node may be silent because of a reset: the reset is recent, or the node has been silent since.
-    pub fn is_resetting(&self, now: Timestamp) -> bool {
+    pub(crate) fn is_resetting(&self, now: Timestamp) -> bool {
         let lately = self.pending_reset.is_some_and(|reset| now.since(reset) <= Duration::from_secs(5));
         lately || self.is_silent_since_reset()
     }
 
     /// Whether no boot-up has followed the last reset, nor any message that was not queued then.
-    pub fn is_silent_since_reset(&self) -> bool {
+    pub(crate) fn is_silent_since_reset(&self) -> bool {
         const QUEUED: Duration = Duration::from_millis(50);
         self.pending_reset.is_some_and(|reset| self.last_seen.is_none_or(|seen| seen <= reset + QUEUED))
     }
 
     /// Whether the node has not been seen yet, or was reset and has been silent since: it can't answer.
-    pub fn is_absent(&self) -> bool {
+    pub(crate) fn is_absent(&self) -> bool {
         self.first_seen.is_none() || self.is_silent_since_reset()
     }
 
     /// Whether a boot-up now only repeats the last one: some devices send two at each start.
-    pub fn repeats_boot_up(&self, now: Timestamp) -> bool {
+    pub(crate) fn repeats_boot_up(&self, now: Timestamp) -> bool {
         let same_start = Self::is_recent(self.last_boot_up, now, Self::TWICE) && self.pending_reset.is_none();
         same_start && !self.repeated_boot_up && !self.boots_once
     }
@@ -117,7 +117,7 @@ impl NodeFacts {
     }
 
     /// Whether `then` is at most `span` before `now`.
-    pub fn is_recent(then: Option<Timestamp>, now: Timestamp, span: Duration) -> bool {
+    pub(crate) fn is_recent(then: Option<Timestamp>, now: Timestamp, span: Duration) -> bool {
         then.is_some_and(|then| now.since(then) <= span)
     }
 }

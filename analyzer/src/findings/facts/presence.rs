@@ -92,7 +92,7 @@ impl Presence {
 
     /// The outage of a node, if its silence is longer than the commands meanwhile explain. `period` is the heartbeat
     /// period of the node, `layer_setting` the time of the last LSS message that may reset nodes.
-    pub fn outage(
+    pub(crate) fn outage(
         &self,
         node: NodeId,
         now: Timestamp,
@@ -133,7 +133,7 @@ impl Presence {
     }
 
     /// Time that a node may take to restart after a reset.
-    pub fn restart_limit(&self, node: NodeId) -> Duration {
+    pub(crate) fn restart_limit(&self, node: NodeId) -> Duration {
         self.nodes[node].restart.map_or(Self::RESTART, |longest| longest.times(2) + Duration::from_secs(1))
     }
 

@@ -68,7 +68,7 @@ pub enum RequestEvent {
 impl RequestEvent {
     /// Whether a request was repeated or abandoned, or an abandoned request was answered.
     #[inline]
-    pub const fn is_unusual(&self) -> bool {
+    pub(crate) const fn is_unusual(&self) -> bool {
         !matches!(self, Self::None | Self::Answered(_))
     }
 }

@@ -24,7 +24,7 @@ pub const fn sender(message: &Message) -> Option<Sender> {
 }
 
 /// Whether exactly one slave must answer a request.
-pub fn wants_answer(message: &Message) -> bool {
+pub(crate) fn wants_answer(message: &Message) -> bool {
     match message {
         Message::LssRequest(request) => request.wants_answer(),
         Message::LmtRequest(request) => request.wants_answer(),
@@ -41,7 +41,7 @@ pub const fn is_store(message: &Message) -> bool {
 }
 
 /// Whether a request switches all slaves back to waiting (LSS) or operation (LMT).
-pub const fn is_leave(message: &Message) -> bool {
+pub(crate) const fn is_leave(message: &Message) -> bool {
     matches!(
         message,
         Message::LssRequest(lss::Request::SwitchGlobal { mode: 0 })
@@ -75,7 +75,7 @@ pub fn command(seen: &Seen) -> u8 {
 }
 
 /// The command specifier of the current frame.
-pub fn own_command(context: &Context<'_>) -> u8 {
+pub(crate) fn own_command(context: &Context<'_>) -> u8 {
     context.record.frame.bytes()[0]
 }
 

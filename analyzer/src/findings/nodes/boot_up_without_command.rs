@@ -34,7 +34,7 @@ const EFFECTS: &[Effect] = &super::restart::effects(Effect::never_on(&["nodes/bo
 struct BootUpWithoutCommand;
 
 /// Whether a message to the node explains its boot-up.
-pub fn is_explained(context: &Context<'_>, node: NodeId, facts: &NodeFacts) -> bool {
+pub(crate) fn is_explained(context: &Context<'_>, node: NodeId, facts: &NodeFacts) -> bool {
     const WHILE: Duration = Duration::from_secs(10);
     let recent = |then: Option<Timestamp>| NodeFacts::is_recent(then, context.now(), WHILE);
     // One reset explains one boot-up; layer settings and programs take effect by a reset of their own.

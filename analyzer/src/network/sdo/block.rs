@@ -47,7 +47,7 @@ pub enum Block {
 
 /// The next expected message during the data phase.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum Due {
+pub(crate) enum Due {
     /// The sender's segments.
     Segments(Run),
     /// The receiver's confirmation of the sub-block.
@@ -101,7 +101,7 @@ impl Run {
 
 /// Bytes that may be sent again, or whose final number is still unknown.
 #[derive(Clone, Default)]
-pub struct HeldBack(Vec<u8>);
+pub(crate) struct HeldBack(Vec<u8>);
 
 impl HeldBack {
     /// The occupied memory, in bytes.

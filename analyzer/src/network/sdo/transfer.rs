@@ -186,7 +186,7 @@ impl Transfer {
     }
 
     /// Notes a broken rule, if it is the first.
-    pub fn blame(&mut self, violation: Violation) {
+    pub(crate) fn blame(&mut self, violation: Violation) {
         self.violation.get_or_insert(violation);
     }
 

@@ -10,7 +10,7 @@ use canvass_traces::{Duration, Timestamp};
 
 /// The block transfers that may be open on a channel, until a request with its answer shows the channel's state.
 #[derive(Clone, Default)]
-pub struct UnderWay {
+pub(crate) struct UnderWay {
     /// A request was answered: no earlier transfer is open.
     over: bool,
     /// The sequence number of the client's next segment, and the time of the one before.
@@ -29,7 +29,7 @@ impl UnderWay {
     }
 
     /// Whether an earlier transfer may still be open.
-    pub const fn is_possible(&self) -> bool {
+    pub(crate) const fn is_possible(&self) -> bool {
         !self.over
     }
 

@@ -21,7 +21,7 @@ pub const HIGH_RESOLUTION_RAW_VALUE: u16 = 0x600B;
 /// 600Ch: position raw value.
 pub const POSITION_RAW_VALUE: u16 = 0x600C;
 /// 6010h: preset values for multi-sensor devices.
-pub const CHANNEL_PRESET_VALUES: u16 = 0x6010;
+pub(crate) const CHANNEL_PRESET_VALUES: u16 = 0x6010;
 /// 6020h: position values for multi-sensor devices.
 pub const CHANNEL_POSITION_VALUES: u16 = 0x6020;
 /// 6030h: speed value.

@@ -175,7 +175,7 @@ impl ConfigureCommand {
 
 impl<D: Dialect> Request<D> {
     /// Whether exactly one slave must answer.
-    pub fn wants_answer(self) -> bool {
+    pub(crate) fn wants_answer(self) -> bool {
         match self {
             Self::ConfigureNodeId { .. } | Self::ConfigureBitTiming { .. } | Self::StoreConfiguration => true,
             Self::Inquire { .. } | Self::InquireNodeId => true,

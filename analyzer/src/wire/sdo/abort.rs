@@ -124,7 +124,7 @@ impl AbortCode {
     /// Maximum value is less than minimum value.
     pub const MAXIMUM_BELOW_MINIMUM: Self = Self(0x0609_0036);
     /// Resource not available: SDO connection.
-    pub const NO_CONNECTION: Self = Self(0x060A_0023);
+    pub(crate) const NO_CONNECTION: Self = Self(0x060A_0023);
     /// General error.
     pub const GENERAL: Self = Self(0x0800_0000);
     /// Data cannot be transferred or stored to the application.
@@ -134,7 +134,7 @@ impl AbortCode {
     /// Data cannot be transferred or stored to the application because of the present device state.
     pub const DEVICE_STATE: Self = Self(0x0800_0022);
     /// Object dictionary dynamic generation fails or no object dictionary is present.
-    pub const NO_DICTIONARY: Self = Self(0x0800_0023);
+    pub(crate) const NO_DICTIONARY: Self = Self(0x0800_0023);
     /// No data available.
     pub const NO_DATA: Self = Self(0x0800_0024);
 

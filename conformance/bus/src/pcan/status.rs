@@ -57,35 +57,35 @@ impl Status {
     /// Success.
     pub const OK: Self = Self(0);
     /// `PCAN_ERROR_XMTFULL`.
-    pub const TRANSMIT_BUFFER_FULL: Self = Self(0x01);
+    pub(crate) const TRANSMIT_BUFFER_FULL: Self = Self(0x01);
     /// `PCAN_ERROR_OVERRUN`.
-    pub const OVERRUN: Self = Self(0x02);
+    pub(crate) const OVERRUN: Self = Self(0x02);
     /// `PCAN_ERROR_BUSLIGHT`.
-    pub const BUS_LIGHT: Self = Self(0x04);
+    pub(crate) const BUS_LIGHT: Self = Self(0x04);
     /// `PCAN_ERROR_BUSHEAVY`, also `PCAN_ERROR_BUSWARNING`.
-    pub const BUS_HEAVY: Self = Self(0x08);
+    pub(crate) const BUS_HEAVY: Self = Self(0x08);
     /// `PCAN_ERROR_BUSOFF`.
     pub const BUS_OFF: Self = Self(0x10);
     /// `PCAN_ERROR_QRCVEMPTY`.
     pub const EMPTY: Self = Self(0x20);
     /// `PCAN_ERROR_QOVERRUN`.
-    pub const QUEUE_OVERRUN: Self = Self(0x40);
+    pub(crate) const QUEUE_OVERRUN: Self = Self(0x40);
     /// `PCAN_ERROR_QXMTFULL`.
-    pub const TRANSMIT_QUEUE_FULL: Self = Self(0x80);
+    pub(crate) const TRANSMIT_QUEUE_FULL: Self = Self(0x80);
     /// `PCAN_ERROR_NODRIVER`.
-    pub const NO_DRIVER: Self = Self(0x200);
+    pub(crate) const NO_DRIVER: Self = Self(0x200);
     /// `PCAN_ERROR_HWINUSE`.
     pub const IN_USE: Self = Self(0x400);
     /// `PCAN_ERROR_ILLHW`.
-    pub const NO_HARDWARE: Self = Self(0x1400);
+    pub(crate) const NO_HARDWARE: Self = Self(0x1400);
     /// `PCAN_ERROR_ILLHANDLE`; also the mask of the field in which five other statuses have their values.
     pub const HANDLE: Self = Self(0x1C00);
     /// `PCAN_ERROR_ILLPARAMTYPE`.
-    pub const UNKNOWN_PARAMETER: Self = Self(0x4000);
+    pub(crate) const UNKNOWN_PARAMETER: Self = Self(0x4000);
     /// `PCAN_ERROR_BUSPASSIVE`.
-    pub const BUS_PASSIVE: Self = Self(0x4_0000);
+    pub(crate) const BUS_PASSIVE: Self = Self(0x4_0000);
     /// `PCAN_ERROR_INITIALIZE`.
-    pub const NOT_INITIALIZED: Self = Self(0x400_0000);
+    pub(crate) const NOT_INITIALIZED: Self = Self(0x400_0000);
 
     /// The bits of both statuses.
     #[must_use]
@@ -105,7 +105,7 @@ impl Status {
     }
 
     /// Whether frames were lost before the program could fetch them.
-    pub const fn has_lost(self) -> bool {
+    pub(crate) const fn has_lost(self) -> bool {
         self.has(Self::OVERRUN.and(Self::QUEUE_OVERRUN))
     }
 

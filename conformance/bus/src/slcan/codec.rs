@@ -91,7 +91,7 @@ impl Status {
     ];
 
     /// Whether frames were lost in the adapter.
-    pub const fn has_lost(self) -> bool {
+    pub(crate) const fn has_lost(self) -> bool {
         self.0 & 0x09 != 0
     }
 }

@@ -30,7 +30,7 @@ const STILL: u32 = 4;
 
 /// Checks the stamps of one connection.
 #[derive(Debug, Default)]
-pub struct StampWatch {
+pub(crate) struct StampWatch {
     same: Option<Same>,
     least: Option<Least>,
     /// The time since which delays are longer than usual.
@@ -59,7 +59,7 @@ struct Least {
 
 /// The result of checking a stamp.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
-pub enum StampCheck {
+pub(crate) enum StampCheck {
     /// The stamp is right, as far as is known.
     Right,
     /// The frame is late by this time, or the stamp is wrong.

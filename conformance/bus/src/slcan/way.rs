@@ -65,7 +65,7 @@ impl Way {
     }
 
     /// The error of a failed write, returned once.
-    pub fn take_failure(&self) -> Option<io::Error> {
+    pub(crate) fn take_failure(&self) -> Option<io::Error> {
         let mut state = self.state();
         match std::mem::take(&mut *state) {
             State::Failed(error) => Some(error),

@@ -17,7 +17,7 @@ const BRACKET: Duration = Duration::from_micros(100);
 
 impl Correction {
     /// The offset from now on: a new one if the system's clock was set since the last comparison.
-    pub fn looked_up(self, clock: &SteadyClock) -> Self {
+    pub(crate) fn looked_up(self, clock: &SteadyClock) -> Self {
         for _ in 0..3 {
             let before = Instant::now();
             let system = system_time();

@@ -59,7 +59,7 @@ impl RawSocket {
     }
 
     /// Requests all data about frames, and also own frames, CAN FD frames and error frames.
-    pub fn ask_for_all(&self) -> io::Result<()> {
+    pub(crate) fn ask_for_all(&self) -> io::Result<()> {
         let stamps = TimestampingFlag::SOF_TIMESTAMPING_RX_SOFTWARE
             | TimestampingFlag::SOF_TIMESTAMPING_SOFTWARE
             | TimestampingFlag::SOF_TIMESTAMPING_RX_HARDWARE
@@ -85,7 +85,7 @@ impl RawSocket {
     }
 
     /// Makes the kernel's receive queue as long as allowed, up to `bytes` bytes.
-    pub fn enlarge_receive_queue(&self, bytes: i32) {
+    pub(crate) fn enlarge_receive_queue(&self, bytes: i32) {
         // Only root may exceed net.core.rmem_max.
         if self.0.set_socket_option_int(libc::SOL_SOCKET, libc::SO_RCVBUFFORCE, bytes).is_err() {
             let _ = self.0.set_socket_option_int(libc::SOL_SOCKET, libc::SO_RCVBUF, bytes);
@@ -93,7 +93,7 @@ impl RawSocket {
     }
 
     /// Passes only frames that match a filter; without filters, no data frame passes.
-    pub fn set_filters(&self, filters: &[Filter]) -> io::Result<()> {
+    pub(crate) fn set_filters(&self, filters: &[Filter]) -> io::Result<()> {
         let filters: Vec<CanFilter> = filters.iter().map(|&filter| CanFilter::from(filter)).collect();
         self.0.set_filters(&filters)
     }
@@ -104,19 +104,19 @@ impl RawSocket {
     }
 
     /// Waits until the socket has frames or an error, or `timeout` has passed; returns whether it has any.
-    pub fn wait_readable(&self, timeout: Duration) -> io::Result<bool> {
+    pub(crate) fn wait_readable(&self, timeout: Duration) -> io::Result<bool> {
         is_ready(&mut [PollFd::new(self.0.as_fd(), PollFlags::POLLIN)], Some(timeout))
     }
 
     /// Waits until the socket can take a frame or has an error, or `timeout` has passed; returns false after the
     /// timeout.
-    pub fn wait_writable(&self, timeout: Duration) -> io::Result<bool> {
+    pub(crate) fn wait_writable(&self, timeout: Duration) -> io::Result<bool> {
         is_ready(&mut [PollFd::new(self.0.as_fd(), PollFlags::POLLOUT)], Some(timeout))
     }
 
     /// Waits until the socket has frames or an error, the other end of the pipe is closed, or `timeout` has passed.
     /// Returns whether the socket has frames or an error.
-    pub fn wait_readable_or_closed(&self, pipe: &PipeReader, timeout: Option<Duration>) -> io::Result<bool> {
+    pub(crate) fn wait_readable_or_closed(&self, pipe: &PipeReader, timeout: Option<Duration>) -> io::Result<bool> {
         let mut polls = [PollFd::new(self.0.as_fd(), PollFlags::POLLIN), PollFd::new(pipe.as_fd(), PollFlags::POLLIN)];
         is_ready(&mut polls, timeout)?;
         let [ours, _] = polls;

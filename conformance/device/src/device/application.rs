@@ -145,7 +145,7 @@ pub struct Surroundings<'a> {
 
 impl Surroundings<'_> {
     /// Whether a parameter to be stored was outside its limits.
-    pub fn has_refused_parameter(&self) -> bool {
+    pub(crate) fn has_refused_parameter(&self) -> bool {
         self.errors.is_present(Condition::Parameter)
     }
 }

@@ -66,7 +66,7 @@ impl Clock {
     }
 
     /// The CAN-ID on which the device produces TIME.
-    pub const fn own_can_id(&self) -> u16 {
+    pub(crate) const fn own_can_id(&self) -> u16 {
         self.cob_id.can_id() as u16
     }
 

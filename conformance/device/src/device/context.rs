@@ -80,7 +80,7 @@ impl Context {
     }
 
     /// The node-ID from which default COB-IDs are calculated.
-    pub fn node_or_placeholder(&self) -> NodeId {
+    pub(crate) fn node_or_placeholder(&self) -> NodeId {
         self.node.unwrap_or(PLACEHOLDER)
     }
 
@@ -97,7 +97,7 @@ impl Context {
     }
 
     /// Sends an error control message.
-    pub fn send_error_control(&mut self, message: ErrorControl) {
+    pub(crate) fn send_error_control(&mut self, message: ErrorControl) {
         if let Some(node) = self.node {
             self.send(message.to_frame(error_control::CAN_ID_BASE + u16::from(node.raw())));
         }

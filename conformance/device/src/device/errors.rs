@@ -81,7 +81,7 @@ impl Errors {
     }
 
     /// Handles a write of 0 to 1003h:00.
-    pub fn clear_history(&mut self) {
+    pub(crate) fn clear_history(&mut self) {
         if self.firmware.has(Fault::ErrorHistoryNotCleared) {
             return;
         }
@@ -94,7 +94,7 @@ impl Errors {
     }
 
     /// Handles the reading of 1001h by SDO.
-    pub fn register_was_read(&mut self) {
+    pub(crate) fn register_was_read(&mut self) {
         if self.firmware.has(Fault::ErrorRegisterReadClears) {
             self.present.clear();
         }
@@ -113,7 +113,7 @@ impl Errors {
     }
 
     /// Whether a condition is present.
-    pub fn is_present(&self, condition: Condition) -> bool {
+    pub(crate) fn is_present(&self, condition: Condition) -> bool {
         self.present.iter().any(|present| present.key() == condition.key())
     }
 
@@ -199,12 +199,12 @@ impl Errors {
     }
 
     /// Begins an inhibit time, for a device that begins it with a write to 1015h.
-    pub fn inhibit_until(&mut self, end: Timestamp) {
+    pub(crate) fn inhibit_until(&mut self, end: Timestamp) {
         self.inhibited_until = end;
     }
 
     /// Handles entering the state stopped.
-    pub fn on_stopped(&mut self) {
+    pub(crate) fn on_stopped(&mut self) {
         if self.firmware.has(Fault::EmcyLostWhenStopped) {
             self.queue.clear();
             self.clear_history();
@@ -212,7 +212,7 @@ impl Errors {
     }
 
     /// Handles leaving the state stopped: messages that were queued meanwhile may be sent now.
-    pub fn after_stopped(&mut self) {
+    pub(crate) fn after_stopped(&mut self) {
         if self.firmware.takes(Liberty::StoppedEmcyDropped) {
             self.queue.clear();
         }

@@ -78,7 +78,7 @@ impl Mischief {
     }
 
     /// Whether the firmware has any fault, so that frames must pass through here.
-    pub fn is_active(&self) -> bool {
+    pub(crate) fn is_active(&self) -> bool {
         !self.faults.is_empty()
     }
 
@@ -87,7 +87,7 @@ impl Mischief {
     }
 
     /// Handles a received frame. `address` is the LSS address.
-    pub fn on_receive(&mut self, frame: &Frame, node: Option<NodeId>, address: [u32; 4]) -> Incoming {
+    pub(crate) fn on_receive(&mut self, frame: &Frame, node: Option<NodeId>, address: [u32; 4]) -> Incoming {
         let id = u16::try_from(frame.id().raw()).unwrap_or(u16::MAX);
         let own = node.map_or(0, |node| u16::from(node.raw()));
         let request_id = sdo::REQUEST_BASE + own;

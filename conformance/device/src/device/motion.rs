@@ -98,7 +98,7 @@ impl Motion {
     }
 
     /// Whether the position never changes.
-    pub const fn is_still(&self) -> bool {
+    pub(crate) const fn is_still(&self) -> bool {
         matches!(self.course, Course::Steady(0))
     }
 
@@ -124,11 +124,6 @@ impl Motion {
             Course::Steady(milli) => milli,
             _ => (self.kinematics(now).speed * 60_000.0).round() as i64,
         }
-    }
-
-    /// The speed of a linear motion in micrometres per second.
-    pub fn micrometres_per_second(&self, now: Timestamp) -> i64 {
-        (self.kinematics(now).speed * 1_000.0).round() as i64
     }
 
     /// The acceleration in thousandths of a revolution (of a millimetre) per square second.

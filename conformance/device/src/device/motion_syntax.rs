@@ -185,7 +185,7 @@ mod tests {
         assert_eq!(known("still"), Motion::still(0));
         assert_eq!(known("still=-5"), Motion::still(-5));
         assert_eq!(known("rpm=-3.5"), Motion::constant(0, -3_500));
-        assert_eq!(known("mm/s=2").micrometres_per_second(Timestamp::ZERO), 2_000);
+        assert_eq!(known("mm/s=2"), Motion::constant(0, 120_000), "thousandths of a millimetre per minute");
         assert_eq!(known("sine=2,10"), Motion::sine(0, 2.0, Duration::from_secs(10)));
         assert_eq!(known("ramp=3000,0.5"), Motion::ramp(0, 3000.0, Duration::from_millis(500)));
         assert_eq!("csv=a=b.csv".parse(), Ok(MotionSpec::File("a=b.csv".to_owned())));

@@ -64,7 +64,7 @@ impl Phase {
     }
 
     /// Whether the device processes RPDOs.
-    pub const fn receives_pdos(self, firmware: &Firmware) -> bool {
+    pub(crate) const fn receives_pdos(self, firmware: &Firmware) -> bool {
         match self {
             Self::Operational => true,
             Self::PreOperational => firmware.has(Fault::RpdoInPreOperational),

@@ -71,7 +71,7 @@ impl Objects {
     }
 
     /// Whether measured values change by themselves.
-    pub fn is_moving(&self) -> bool {
+    pub(crate) fn is_moving(&self) -> bool {
         self.application.as_ref().is_some_and(|application| application.is_moving())
     }
 
@@ -210,14 +210,14 @@ impl Objects {
     }
 
     /// Applies the values that waited for a store.
-    pub fn take_waiting(&mut self) {
+    pub(crate) fn take_waiting(&mut self) {
         for (at, value) in std::mem::take(&mut self.waiting) {
             self.parameters.set(at, Content::Number(value));
         }
     }
 
     /// Drops the values that waited for a store, at a reset.
-    pub fn drop_waiting(&mut self) {
+    pub(crate) fn drop_waiting(&mut self) {
         self.waiting.clear();
     }
 
@@ -278,7 +278,7 @@ impl Objects {
     }
 
     /// Whether the device consumes SYNC.
-    pub fn consumes_sync(&self) -> bool {
+    pub(crate) fn consumes_sync(&self) -> bool {
         let needed = self.consumer_bit(Multiplexer::new(object::COB_ID_SYNC, 0));
         self.parameters.number_or_zero(object::COB_ID_SYNC, 0) & needed == needed
             || self.firmware.has(Fault::SyncConsumerBitIgnored)
@@ -291,7 +291,7 @@ impl Objects {
     }
 
     /// Whether a write to the object takes as long as a store in the non-volatile memory.
-    pub fn takes_long(&self, at: Multiplexer) -> bool {
+    pub(crate) fn takes_long(&self, at: Multiplexer) -> bool {
         StoreCommand::of(at, &self.model.sheet().storage).is_some()
     }
 }

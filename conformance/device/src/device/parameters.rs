@@ -301,7 +301,7 @@ impl Parameter {
     }
 
     /// The delivered value.
-    pub fn default_content(&self, node: NodeId) -> Content {
+    pub(crate) fn default_content(&self, node: NodeId) -> Content {
         match &self.default {
             Default::Fixed(content) => self.fitted(content.clone()),
             Default::NodeIdPlus(offset) => Content::Number(u64::from(offset.wrapping_add(u32::from(node.raw())))),
@@ -309,7 +309,7 @@ impl Parameter {
     }
 
     /// The bits of the delivered number, without the node-ID; 0 for a string.
-    pub const fn default_bits(&self) -> u64 {
+    pub(crate) const fn default_bits(&self) -> u64 {
         match &self.default {
             Default::Fixed(Content::Number(number)) => *number,
             Default::NodeIdPlus(offset) => *offset as u64,
@@ -352,7 +352,7 @@ impl Parameter {
     ///
     /// # Errors
     /// The abort code for a value that is too high or too low.
-    pub fn check_range(&self, raw: u64) -> Result<(), AbortCode> {
+    pub(crate) fn check_range(&self, raw: u64) -> Result<(), AbortCode> {
         let value = Value::from_raw(self.data_type, raw).and_then(|value| value.as_number());
         let Some(value) = value else { return Ok(()) };
         if self.high.is_some_and(|high| value > high) {

@@ -47,7 +47,7 @@ impl SdoChannels {
     }
 
     /// Whether frames with that CAN-ID are responses of this device.
-    pub fn responds_with(&self, can_id: u16, node: NodeId) -> bool {
+    pub(crate) fn responds_with(&self, can_id: u16, node: NodeId) -> bool {
         can_id == sdo::RESPONSE_BASE + u16::from(node.raw())
             || self.further.iter().any(|channel| channel.responds_with(can_id))
     }
@@ -205,7 +205,7 @@ impl FurtherChannel {
     }
 
     /// Whether frames with that CAN-ID are responses of this channel.
-    pub fn responds_with(&self, can_id: u16) -> bool {
+    pub(crate) fn responds_with(&self, can_id: u16) -> bool {
         self.can_id().is_some() && self.response.can_id() == u32::from(can_id)
     }
 

@@ -44,7 +44,7 @@ macro_rules! services {
             }
 
             /// Registers the routes of all services. If two services claim the same CAN-ID, [`Routes`] decides.
-            pub fn find_routes(&self, context: &Context, routes: &mut Routes) {
+            pub(crate) fn find_routes(&self, context: &Context, routes: &mut Routes) {
                 $(self.$name.find_routes(context, routes);)*
             }
         }

@@ -20,7 +20,7 @@ impl Groups {
     /// 1000h to 1FFFh.
     pub const COMMUNICATION: Self = Self(1);
     /// 6000h to 9FFFh.
-    pub const APPLICATION: Self = Self(2);
+    pub(crate) const APPLICATION: Self = Self(2);
     /// 2000h to 5FFFh, without bit rate and node-ID.
     pub const MANUFACTURER: Self = Self(4);
     /// Bit rate, node-ID and further parameters that only a separate command stores.
@@ -91,7 +91,7 @@ impl StoreCommand {
     }
 
     /// Whether the command stores parameters.
-    pub const fn is_save(self) -> bool {
+    pub(crate) const fn is_save(self) -> bool {
         matches!(self, Self::Save(_))
     }
 
@@ -170,7 +170,7 @@ impl Store {
 
     /// Handles a reset while a faulty firmware writes: the first half of the memory has new values, the second half old
     /// ones.
-    pub fn tear(&mut self, parameters: &Parameters, node: NodeId) {
+    pub(crate) fn tear(&mut self, parameters: &Parameters, node: NodeId) {
         if let Some((_, StoreCommand::Save(groups))) = self.pending {
             let half = self.image.len() / 2;
             let old: Vec<_> = self.image.iter().skip(half).cloned().collect();
@@ -225,12 +225,12 @@ impl Store {
     }
 
     /// Stores the application's own value at once.
-    pub fn save_retained(&mut self, retained: i64) {
+    pub(crate) fn save_retained(&mut self, retained: i64) {
         self.retained = Some(retained);
     }
 
     /// The stored value of the application; `None` if none is stored.
-    pub fn retained(&self) -> Option<i64> {
+    pub(crate) fn retained(&self) -> Option<i64> {
         self.retained
     }
 
@@ -240,7 +240,7 @@ impl Store {
     }
 
     /// Erases the stored value of one object at once.
-    pub fn forget_number(&mut self, at: Multiplexer, parameters: &Parameters) {
+    pub(crate) fn forget_number(&mut self, at: Multiplexer, parameters: &Parameters) {
         let position = parameters.entries().position(|entry| entry.at == at);
         if let Some(slot) = position.and_then(|position| Arc::make_mut(&mut self.image).get_mut(position)) {
             *slot = None;
@@ -253,12 +253,12 @@ impl Store {
     }
 
     /// Stores values of LSS that no object holds.
-    pub const fn save_network(&mut self, network: StoredNetwork) {
+    pub(crate) const fn save_network(&mut self, network: StoredNetwork) {
         self.network = network;
     }
 
     /// Stores one number at once, regardless of groups: LSS stores node-ID and bit rate in this way.
-    pub fn save_number(&mut self, at: Multiplexer, number: u64, parameters: &Parameters) {
+    pub(crate) fn save_number(&mut self, at: Multiplexer, number: u64, parameters: &Parameters) {
         let position = parameters.entries().position(|entry| entry.at == at);
         if let Some(slot) = position.and_then(|position| Arc::make_mut(&mut self.image).get_mut(position)) {
             *slot = Some(Content::Number(number));
@@ -266,12 +266,12 @@ impl Store {
     }
 
     /// Whether anything was ever stored.
-    pub fn holds_something(&self) -> bool {
+    pub(crate) fn holds_something(&self) -> bool {
         self.image.iter().any(Option::is_some)
     }
 
     /// Stores one parameter as soon as it is written.
-    pub fn save_at_once(&mut self, at: Multiplexer, parameters: &Parameters, node: NodeId) {
+    pub(crate) fn save_at_once(&mut self, at: Multiplexer, parameters: &Parameters, node: NodeId) {
         let found = parameters.entries().enumerate().find(|(_, entry)| entry.at == at);
         let Some((position, entry)) = found.filter(|(_, entry)| entry.writable) else { return };
         if Groups::PARAMETERS.contains(Groups::of(at, &self.storage))

@@ -114,7 +114,7 @@ impl SyncObject {
     }
 
     /// The CAN-ID on which the device produces SYNC.
-    pub const fn own_can_id(&self) -> u16 {
+    pub(crate) const fn own_can_id(&self) -> u16 {
         self.cob_id.can_id() as u16
     }
 

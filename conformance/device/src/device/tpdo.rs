@@ -331,12 +331,12 @@ impl Tpdos {
     }
 
     /// Whether frames with this CAN-ID are a TPDO of the device.
-    pub fn use_id(&self, can_id: u16) -> bool {
+    pub(crate) fn use_id(&self, can_id: u16) -> bool {
         self.0.iter().any(|tpdo| tpdo.uses(can_id))
     }
 
     /// Whether frames with this CAN-ID are a synchronous TPDO of the device.
-    pub fn use_synchronously(&self, can_id: u16) -> bool {
+    pub(crate) fn use_synchronously(&self, can_id: u16) -> bool {
         self.0.iter().any(|tpdo| tpdo.is_synchronous() && tpdo.uses(can_id))
     }
 

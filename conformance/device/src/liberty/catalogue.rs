@@ -4,15 +4,15 @@ use canvass_macros::Catalogue;
 
 /// Devices of other makers that take liberties, as rows name them.
 mod devices {
-    pub const CANOPEN_NODE: &str = "CANopenNode";
-    pub const LELY: &str = "lely-core";
-    pub const C_OPEN: &str = "c-open";
-    pub const CAN_FESTIVAL: &str = "CanFestival";
-    pub const CANOPEN_STACK: &str = "embedded-office canopen-stack";
+    pub(crate) const CANOPEN_NODE: &str = "CANopenNode";
+    pub(crate) const LELY: &str = "lely-core";
+    pub(crate) const C_OPEN: &str = "c-open";
+    pub(crate) const CAN_FESTIVAL: &str = "CanFestival";
+    pub(crate) const CANOPEN_STACK: &str = "embedded-office canopen-stack";
     pub const KUEBLER: &str = "Kübler Sendix";
-    pub const LIKA: &str = "Lika AX58";
+    pub(crate) const LIKA: &str = "Lika AX58";
     pub const TR: &str = "TR-Electronic C_65 and LMP-30";
-    pub const PUBLISHED: &str = "device descriptions of several makers";
+    pub(crate) const PUBLISHED: &str = "device descriptions of several makers";
 }
 use devices::*;
 

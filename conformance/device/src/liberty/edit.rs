@@ -20,7 +20,7 @@ impl Edit<'_> {
     }
 
     /// Removes sub-indexes of objects.
-    pub fn remove_subs(&mut self, indexes: RangeInclusive<u16>, subs: RangeInclusive<u8>) {
+    pub(crate) fn remove_subs(&mut self, indexes: RangeInclusive<u16>, subs: RangeInclusive<u8>) {
         self.keep(|at| !indexes.contains(&at.index.0) || !subs.contains(&at.sub.0));
     }
 
@@ -72,7 +72,7 @@ impl Edit<'_> {
     }
 
     /// Moves the defaults of an object from the description to the sheet.
-    pub fn move_defaults(&mut self, index: u16) {
+    pub(crate) fn move_defaults(&mut self, index: u16) {
         let Some(object) = self.description.dictionary.object_mut(Index(index)) else { return };
         for sub in 1..=u8::MAX {
             let Some(entry) = object.entry_mut(SubIndex(sub)) else { continue };
@@ -85,7 +85,7 @@ impl Edit<'_> {
     }
 
     /// Appends a byte 00h to a text of the device; the description keeps its text.
-    pub fn end_in_nul(&mut self, index: u16) {
+    pub(crate) fn end_in_nul(&mut self, index: u16) {
         let at = Multiplexer::new(index, 0);
         let entry = self.description.dictionary.entry(at).ok();
         let described = entry.and_then(|entry| match entry.default.as_ref()?.fixed()? {
@@ -101,7 +101,7 @@ impl Edit<'_> {
     }
 
     /// Sets bits of a COB-ID in its delivered value.
-    pub fn set_cob_id_bits(&mut self, index: u16, bits: u32) {
+    pub(crate) fn set_cob_id_bits(&mut self, index: u16, bits: u32) {
         self.entry(index, 1, |entry| {
             entry.default = match entry.default.take() {
                 Some(Setting::NodeIdPlus(offset)) => Some(Setting::NodeIdPlus(offset | bits)),
@@ -119,12 +119,12 @@ impl Edit<'_> {
     }
 
     /// Makes the device be delivered with an empty mapping of this PDO.
-    pub fn unmap(&mut self, mapping: u16) {
+    pub(crate) fn unmap(&mut self, mapping: u16) {
         (0..=64).for_each(|sub| self.set(mapping, sub, 0));
     }
 
     /// Empties the delivered mapping of every PDO that maps such an object.
-    pub fn unmap_where(&mut self, is_gone: impl Fn(Multiplexer) -> bool) {
+    pub(crate) fn unmap_where(&mut self, is_gone: impl Fn(Multiplexer) -> bool) {
         let carries = |object: &Object| {
             let entries = object.entries().iter().filter(|entry| entry.sub.0 > 0);
             let mapped = entries.filter_map(|entry| entry.default.as_ref()?.fixed()?.to_raw());

@@ -59,7 +59,7 @@ pub struct Quirks {
 
 impl Quirks {
     /// Whether the limits of the object are checked only when it is stored.
-    pub fn is_checked_later(&self, at: Multiplexer) -> bool {
+    pub(crate) fn is_checked_later(&self, at: Multiplexer) -> bool {
         self.limits_checked_at_store && self.acts_when_stored.contains(&at)
     }
 
@@ -70,7 +70,7 @@ impl Quirks {
     }
 
     /// The EMCY code of a lost guarding master.
-    pub fn life_guarding_code(&self) -> EmcyCode {
+    pub(crate) fn life_guarding_code(&self) -> EmcyCode {
         self.life_guarding_error.map_or(EmcyCode::HEARTBEAT, EmcyCode)
     }
 }

@@ -72,7 +72,7 @@ pub enum Rule {
 
 impl Rule {
     /// The abort code of CiA 301, for sheets that name none.
-    pub const fn standard_abort(self) -> AbortCode {
+    pub(crate) const fn standard_abort(self) -> AbortCode {
         match self {
             Self::UnitsAtMostRange | Self::InsideActiveRange | Self::CanIdWhileInvalid => AbortCode::INVALID_VALUE,
             Self::OneConsumerPerNode => AbortCode::PARAMETER_INCOMPATIBLE,

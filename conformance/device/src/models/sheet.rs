@@ -218,7 +218,7 @@ impl Timing {
     }
 
     /// The time after which the SDO server ends a transfer whose client is silent.
-    pub const fn sdo_timeout(&self) -> Duration {
+    pub(crate) const fn sdo_timeout(&self) -> Duration {
         Duration::from_millis(self.sdo_timeout_ms)
     }
 }

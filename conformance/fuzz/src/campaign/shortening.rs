@@ -56,7 +56,7 @@ impl Shortening {
     }
 
     /// Begins with a violation that came back at the swift pace when all frames since a start were sent again.
-    pub fn of_history(history: Sequence, seen: Found) -> Self {
+    pub(crate) fn of_history(history: Sequence, seen: Found) -> Self {
         Self::at(seen, Some(history), Pace::Swift)
     }
 

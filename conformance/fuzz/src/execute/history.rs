@@ -69,7 +69,7 @@ impl History {
     }
 
     /// The stimuli since the device held its power-on values.
-    pub fn unsettled(&self) -> &[Stimulus] {
+    pub(crate) fn unsettled(&self) -> &[Stimulus] {
         self.sent.get(self.settled..).unwrap_or_default()
     }
 
@@ -84,7 +84,7 @@ impl History {
     }
 
     /// The stimuli before the last start.
-    pub fn sent_before(&self) -> &[Stimulus] {
+    pub(crate) fn sent_before(&self) -> &[Stimulus] {
         &self.before.0.stimuli
     }
 
@@ -109,18 +109,18 @@ impl History {
     }
 
     /// The stimuli between the last start and the last sequence, or its tail.
-    pub fn before_sequence(&self) -> &[Stimulus] {
+    pub(crate) fn before_sequence(&self) -> &[Stimulus] {
         self.sent.get(..self.begun_at).unwrap_or_default()
     }
 
     /// The stimuli since the last sequence, or its tail, began.
-    pub fn since_sequence(&self) -> Sequence {
+    pub(crate) fn since_sequence(&self) -> Sequence {
         let stimuli = self.sent.get(self.begun_at..).unwrap_or_default().to_vec();
         Sequence { start: Start::Configured, stimuli }
     }
 
     /// Takes the stimuli and frames between the last two starts.
-    pub fn take_before(&mut self) -> (Sequence, Vec<Record>) {
+    pub(crate) fn take_before(&mut self) -> (Sequence, Vec<Record>) {
         std::mem::take(&mut self.before)
     }
 }

@@ -26,18 +26,18 @@ pub(crate) struct KnownViolations {
 impl KnownViolations {
     /// Sets the violation that is to be shown again; `None`: the full times are awaited. Returns whether the violation
     /// before was shown without awaiting its full time.
-    pub const fn presume(&mut self, violation: Option<Key>) -> bool {
+    pub(crate) const fn presume(&mut self, violation: Option<Key>) -> bool {
         self.presumed = violation;
         std::mem::replace(&mut self.has_hurried, false)
     }
 
     /// Whether a violation is being shown again.
-    pub const fn presumes(&self) -> bool {
+    pub(crate) const fn presumes(&self) -> bool {
         self.presumed.is_some()
     }
 
     /// Marks a violation as reported, so that it is not reported again.
-    pub fn take_for_granted(&mut self, violation: &Violation) {
+    pub(crate) fn take_for_granted(&mut self, violation: &Violation) {
         let key = (violation.property, violation.rule);
         self.reported.insert(key);
         if violation.is_silence {
@@ -46,43 +46,43 @@ impl KnownViolations {
     }
 
     /// Whether the violation was reported before and is not the one that is being shown again.
-    pub fn is_reported(&self, violation: &Violation) -> bool {
+    pub(crate) fn is_reported(&self, violation: &Violation) -> bool {
         let key = (violation.property, violation.rule);
         self.presumed != Some(key) && self.reported.contains(&key)
     }
 
     /// Whether a missing answer was awaited in full before.
-    pub fn is_known_silence(&self, key: Key, pace: Pace) -> bool {
+    pub(crate) fn is_known_silence(&self, key: Key, pace: Pace) -> bool {
         self.presumed == Some(key) || pace == Pace::Swift && self.silence.contains(&key)
     }
 
     /// Records that a violation was shown again without awaiting its full time.
-    pub const fn hurry(&mut self) {
+    pub(crate) const fn hurry(&mut self) {
         self.has_hurried = true;
     }
 
     /// Whether a server that can't be read any more would be a new violation.
-    pub fn is_wedged_news(&self) -> bool {
+    pub(crate) fn is_wedged_news(&self) -> bool {
         self.presumed.is_none() && !self.silence.contains(&WEDGED) && !self.reported.contains(&WEDGED)
     }
 
     /// Whether the device is known to send excess answers, which would be taken for answers to the next frame.
-    pub fn answers_too_much(&self) -> bool {
+    pub(crate) fn answers_too_much(&self) -> bool {
         self.reported.iter().any(|(property, _)| matches!(property, Property::OneAnswer | Property::Silent))
     }
 
     /// Whether some answers are known to be missing or slow.
-    pub fn shortens_waits(&self) -> bool {
+    pub(crate) fn shortens_waits(&self) -> bool {
         self.presumed.is_some() || !self.silence.is_empty() || !self.slow.is_empty()
     }
 
     /// Counts a slow answer.
-    pub fn add_slow(&mut self, awaited: &'static str) {
+    pub(crate) fn add_slow(&mut self, awaited: &'static str) {
         *self.slow.entry(awaited).or_default() += 1;
     }
 
     /// Whether this kind of answer was slow too often to be awaited again.
-    pub fn is_too_slow(&self, awaited: &'static str) -> bool {
+    pub(crate) fn is_too_slow(&self, awaited: &'static str) -> bool {
         self.slow.get(awaited).is_some_and(|&times| times >= MOST_SLOW)
     }
 }

@@ -42,7 +42,7 @@ impl Requests {
     /// Whether answers to two frames that follow each other at once can be distinguished, although frames take time on
     /// the bus. Answers to SDO requests name their object. Other services don't: a late answer to the first frame would
     /// be taken for an answer to the second.
-    pub fn are_told_apart(&self, first: &Stimulus, second: &Stimulus) -> bool {
+    pub(crate) fn are_told_apart(&self, first: &Stimulus, second: &Stimulus) -> bool {
         let is_request =
             |stimulus: &Stimulus| !stimulus.frame.is_remote() && stimulus.frame.cob_id() == Some(self.request);
         is_request(first) && is_request(second)

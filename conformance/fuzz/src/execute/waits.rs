@@ -54,7 +54,7 @@ impl Waits {
     }
 
     /// The time after which a known missing answer counts as missing again.
-    pub fn missing_after(&self) -> Duration {
+    pub(crate) fn missing_after(&self) -> Duration {
         self.quiet().times(MISSING_ANSWER)
     }
 

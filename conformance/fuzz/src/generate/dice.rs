@@ -21,7 +21,7 @@ impl<'a> Dice<'a> {
         ((u128::from(self.number()) * n as u128) >> 64) as usize
     }
 
-    pub fn one_in(&mut self, n: usize) -> bool {
+    pub(crate) fn one_in(&mut self, n: usize) -> bool {
         self.below(n) == 0
     }
 

@@ -133,17 +133,17 @@ impl ExpectedValues {
     }
 
     /// Ignores the value of the read under way.
-    pub fn suspend(&mut self) {
+    pub(crate) fn suspend(&mut self) {
         self.suspended = true;
     }
 
     /// Accepts values that are read from now on.
-    pub fn resume(&mut self) {
+    pub(crate) fn resume(&mut self) {
         self.suspended = false;
     }
 
     /// Whether the value of the object was restored by a reset.
-    pub fn is_by_reset(&self, entry: usize) -> bool {
+    pub(crate) fn is_by_reset(&self, entry: usize) -> bool {
         self.values.get(entry).is_some_and(|held| held.by_reset)
     }
 
@@ -202,7 +202,7 @@ impl ExpectedValues {
     }
 
     /// Records that a PDO may have written objects.
-    pub fn forget_outputs(&mut self) {
+    pub(crate) fn forget_outputs(&mut self) {
         self.writes += 1;
     }
 
@@ -227,7 +227,7 @@ impl ExpectedValues {
 
     /// Whether node-ID, bit rate or stored values were changed or may have been. The values after the next reset are
     /// then unknown.
-    pub fn bus_changed(&self) -> bool {
+    pub(crate) fn bus_changed(&self) -> bool {
         self.bus_changed
     }
 
@@ -238,17 +238,17 @@ impl ExpectedValues {
     }
 
     /// Whether the identifier is that of SYNC: 080h if 1005h is not known.
-    pub fn is_sync(&self, can_id: u16) -> bool {
+    pub(crate) fn is_sync(&self, can_id: u16) -> bool {
         u64::from(can_id) == self.sync.unwrap_or(0x80) & 0x7FF
     }
 
     /// Whether the device is the producer of SYNC (bit 30 of 1005h).
-    pub fn produces_sync(&self) -> bool {
+    pub(crate) fn produces_sync(&self) -> bool {
         self.sync.is_some_and(|raw| raw >> 30 & 1 != 0)
     }
 
     /// Whether the identifier is that of the device's EMCY.
-    pub fn is_emcy(&self, can_id: u16, node: NodeId) -> bool {
+    pub(crate) fn is_emcy(&self, can_id: u16, node: NodeId) -> bool {
         let predefined = 0x80 + u64::from(node.raw());
         match self.emcy {
             Some(raw) => CobId(raw as u32).is_valid() && raw & 0x7FF == u64::from(can_id),
@@ -259,7 +259,7 @@ impl ExpectedValues {
     /// Whether the device may delay or omit the EMCY of an error. It may if it has no EMCY, if EMCY is off, has an
     /// inhibit time or is not known, or if the device monitors other nodes, whose loss it need not report (CiA 301,
     /// 7.2.8.2.2).
-    pub fn errs_silently(&self, knowledge: &Knowledge) -> bool {
+    pub(crate) fn errs_silently(&self, knowledge: &Knowledge) -> bool {
         if !self.has_emcy_object || self.watches(knowledge) {
             return true;
         }
@@ -285,7 +285,7 @@ impl ExpectedValues {
     }
 
     /// Whether the device produces SYNC or TIME with the identifier.
-    pub fn is_produced(&self, can_id: u16) -> bool {
+    pub(crate) fn is_produced(&self, can_id: u16) -> bool {
         let produces = |raw: Option<u64>| {
             raw.is_some_and(|raw| raw & u64::from(CobId::NO_RTR) != 0 && raw & 0x7FF == u64::from(can_id))
         };

@@ -93,7 +93,7 @@ impl Slave {
     }
 
     /// Whether no configured value waits for a reset.
-    pub fn is_settled(&self) -> bool {
+    pub(crate) fn is_settled(&self) -> bool {
         self.pending.is_none() && !self.given && !self.timing_changed
     }
 

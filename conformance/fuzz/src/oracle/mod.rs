@@ -53,7 +53,7 @@ const BURST: Duration = Duration::from_millis(2);
 
 /// The reference models of one device.
 #[derive(Clone, Debug)]
-pub struct Oracle {
+pub(crate) struct Oracle {
     knowledge: Arc<Knowledge>,
     expected_values: ExpectedValues,
     nmt: nmt::Slave,
@@ -359,7 +359,7 @@ impl Oracle {
     }
 
     /// Whether the SDO server takes, or may take, the next frame for a segment of a block download.
-    pub fn is_in_blocks(&self) -> bool {
+    pub(crate) fn is_in_blocks(&self) -> bool {
         !self.blind && self.sdo.is_in_blocks()
     }
 
@@ -369,17 +369,17 @@ impl Oracle {
     }
 
     /// Whether the standard leaves open that any service answers the last frame.
-    pub fn may_be_answered(&self) -> bool {
+    pub(crate) fn may_be_answered(&self) -> bool {
         !self.blind && (self.sdo.is_open() || self.lss.at.is_open() || self.lmt.at.is_open())
     }
 
     /// The rule of the answer that the SDO server owes now, if it owes one.
-    pub fn awaits(&self) -> Option<&'static str> {
+    pub(crate) fn awaits(&self) -> Option<&'static str> {
         if self.blind { None } else { self.sdo.awaits() }
     }
 
     /// Whether the SDO server would answer a request to read, and no transfer would be disturbed.
-    pub fn may_be_asked(&self) -> bool {
+    pub(crate) fn may_be_asked(&self) -> bool {
         self.serves_sdo() && !self.sdo.is_busy() && !self.sdo.is_open()
     }
 
@@ -428,7 +428,7 @@ impl Oracle {
     }
 
     /// The frames that bring the device to rest: commands whose effect is known in every state.
-    pub fn brings_to_rest(&self) -> impl Iterator<Item = Frame> + use<> {
+    pub(crate) fn brings_to_rest(&self) -> impl Iterator<Item = Frame> + use<> {
         let node = self.knowledge.node.raw();
         let is_lost = self.blind;
         let wait = lss_wire::Request::SwitchGlobal { mode: 0 }.to_frame(lss_wire::MASTER_CAN_ID);
@@ -470,12 +470,12 @@ impl Oracle {
     }
 
     /// Whether the device is between reset and boot-up, as far as is known.
-    pub fn is_booting(&self) -> bool {
+    pub(crate) fn is_booting(&self) -> bool {
         self.nmt.phase() == nmt::Phase::Booting
     }
 
     /// Whether the SDO server has to answer requests now.
-    pub fn serves_sdo(&self) -> bool {
+    pub(crate) fn serves_sdo(&self) -> bool {
         !self.blind && self.nmt.serves_sdo() == Served::Yes
     }
 }

@@ -127,7 +127,7 @@ impl Slave {
     }
 
     /// Whether the device was certainly not operational before the last change.
-    pub fn comes_from_rest(&self) -> bool {
+    pub(crate) fn comes_from_rest(&self) -> bool {
         !matches!(self.before, Phase::Operational | Phase::Running | Phase::Unsure)
     }
 
@@ -142,7 +142,7 @@ impl Slave {
     }
 
     /// Whether the SDO server has to answer.
-    pub fn serves_sdo(&self) -> Served {
+    pub(crate) fn serves_sdo(&self) -> Served {
         match self.phase {
             Phase::PreOperational | Phase::Operational | Phase::Running => Served::Yes,
             // Without a boot-up message the end of initialisation can't be seen.
@@ -153,7 +153,7 @@ impl Slave {
     }
 
     /// Whether the device may send a PDO now.
-    pub fn serves_pdo(&self, now: Timestamp) -> Served {
+    pub(crate) fn serves_pdo(&self, now: Timestamp) -> Served {
         match self.phase {
             Phase::Operational => Served::Yes,
             Phase::Unsure | Phase::Running => Served::Unsure,
@@ -165,12 +165,12 @@ impl Slave {
     }
 
     /// Whether a frame may have been on its way when the reset was commanded.
-    pub fn was_just_reset(&self, now: Timestamp) -> bool {
+    pub(crate) fn was_just_reset(&self, now: Timestamp) -> bool {
         self.phase == Phase::Booting && now < self.changed + self.grace
     }
 
     /// Whether the device may send an EMCY now.
-    pub fn serves_emcy(&self, now: Timestamp) -> bool {
+    pub(crate) fn serves_emcy(&self, now: Timestamp) -> bool {
         !matches!(self.phase, Phase::Stopped) || now < self.changed + self.grace
     }
 
@@ -282,7 +282,7 @@ impl Slave {
     ///
     /// # Errors
     /// [`Violation`] if it must not.
-    pub fn may_speak(&self, now: Timestamp, frame: &Frame, knowledge: &Knowledge) -> Result<(), Violation> {
+    pub(crate) fn may_speak(&self, now: Timestamp, frame: &Frame, knowledge: &Knowledge) -> Result<(), Violation> {
         let silent = match self.phase {
             Phase::Unconfigured => true,
             // Without a boot-up message the end of initialisation can't be seen.
@@ -381,7 +381,7 @@ impl Slave {
 
     /// The device has reported an error, and 1029h determines its next state. Sub-index 1 is for communication errors.
     /// The device decides which class any other error belongs to.
-    pub fn erred(
+    pub(crate) fn erred(
         &mut self,
         now: Timestamp,
         emcy: &Frame,
@@ -416,7 +416,7 @@ impl Slave {
     }
 
     /// The bus was full until `now`.
-    pub fn held_up(&mut self, now: Timestamp) {
+    pub(crate) fn held_up(&mut self, now: Timestamp) {
         if self.may_be_old(now) {
             self.old_until = now + self.grace;
         }

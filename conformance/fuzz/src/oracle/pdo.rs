@@ -100,7 +100,7 @@ impl Pdos {
     }
 
     /// The NMT state has changed. Timers and counters begin anew.
-    pub fn state_changed(&mut self, now: Timestamp, nmt: &Slave) {
+    pub(crate) fn state_changed(&mut self, now: Timestamp, nmt: &Slave) {
         let from_rest = nmt.comes_from_rest();
         for seen in &mut self.seen {
             seen.begin(now);
@@ -146,7 +146,7 @@ impl Pdos {
     ///
     /// # Errors
     /// None so far: a missing PDO is judged when it is overdue.
-    pub fn synchronised(
+    pub(crate) fn synchronised(
         &mut self,
         now: Timestamp,
         frame: &Frame,
@@ -186,7 +186,7 @@ impl Pdos {
     }
 
     /// Applies a SYNC of the device itself. The standard leaves open whether it counts for the device's own PDOs.
-    pub fn synchronises_itself(&mut self) {
+    pub(crate) fn synchronises_itself(&mut self) {
         for seen in &mut self.seen {
             seen.heard = true;
             seen.open();
@@ -195,7 +195,7 @@ impl Pdos {
     }
 
     /// The bus was full until `now`.
-    pub fn held_up(&mut self, now: Timestamp) {
+    pub(crate) fn held_up(&mut self, now: Timestamp) {
         for seen in &mut self.seen {
             (seen.last, seen.since) = (None, now);
             seen.due = Timestamp::MAX;

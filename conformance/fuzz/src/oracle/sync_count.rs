@@ -22,7 +22,7 @@ impl SyncCount {
     }
 
     /// Whether the device has certainly counted the same SYNC messages.
-    pub const fn is_in_step(&self) -> bool {
+    pub(crate) const fn is_in_step(&self) -> bool {
         self.in_step
     }
 

@@ -73,7 +73,7 @@ impl Attempt {
     ///
     /// # Errors
     /// The breach if it did not.
-    pub fn expect_confirmation(&self) -> Check {
+    pub(crate) fn expect_confirmation(&self) -> Check {
         self.judged(Situation::Confirmed)
     }
 
@@ -130,7 +130,7 @@ impl Reply {
     ///
     /// # Errors
     /// The breach if a response came.
-    pub fn expect_silence(&self) -> Check {
+    pub(crate) fn expect_silence(&self) -> Check {
         self.refused(Situation::Unanswered)
     }
 

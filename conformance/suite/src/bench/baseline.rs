@@ -306,7 +306,7 @@ fn moved_in_use(bench: &mut Bench<'_>) -> Option<Moved> {
 }
 
 /// The loss that the reset at the begin of each case would cause and no case makes good; `None` if no loss is known.
-pub(crate) fn harm_of_a_reset(bench: &mut Bench<'_>, known: &[(Multiplexer, Vec<u8>)]) -> Option<Harm> {
+pub fn harm_of_a_reset(bench: &mut Bench<'_>, known: &[(Multiplexer, Vec<u8>)]) -> Option<Harm> {
     let zero_point = bench.changes.baseline.zero_point.filter(|_| !bench.options.zero_point_is_stored);
     if let Some(zero_point) = zero_point.filter(|zero_point| !zero_point.is_as_delivered()) {
         let is_stored = bench.stores_at_once(zero_point.preset());

@@ -106,7 +106,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// The errors of [`Bench::send`].
-    pub fn send_message(&mut self, message: Message) -> Result<(), Stop> {
+    pub(crate) fn send_message(&mut self, message: Message) -> Result<(), Stop> {
         let cob_id = canvass_analyzer::wire::sdo::REQUEST_BASE + u16::from(self.node().raw());
         self.send_bytes(cob_id, &message).map(|_| ())
     }

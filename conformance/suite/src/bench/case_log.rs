@@ -45,19 +45,19 @@ impl CaseLog {
     }
 
     /// The breaches, for the verdict.
-    pub fn take_breaches(&mut self) -> Vec<Breach> {
+    pub(crate) fn take_breaches(&mut self) -> Vec<Breach> {
         std::mem::take(&mut self.breaches)
     }
 
     /// Keeps an answer with a wrong form, unless an equal one is already kept.
-    pub fn keep_untidy(&mut self, breach: Breach) {
+    pub(crate) fn keep_untidy(&mut self, breach: Breach) {
         if !self.untidy.iter().any(|known| known.actual == breach.actual) {
             self.untidy.push(breach);
         }
     }
 
     /// Takes the answers with a wrong form.
-    pub fn take_untidy(&mut self) -> Vec<Breach> {
+    pub(crate) fn take_untidy(&mut self) -> Vec<Breach> {
         std::mem::take(&mut self.untidy)
     }
 

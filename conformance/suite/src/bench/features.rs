@@ -76,7 +76,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// The errors of [`Bench::has`].
-    pub fn can_write(&mut self, multiplexer: Multiplexer) -> Result<bool, Stop> {
+    pub(crate) fn can_write(&mut self, multiplexer: Multiplexer) -> Result<bool, Stop> {
         if !self.is_described_as_writable(multiplexer) || !self.has(multiplexer)? {
             return Ok(false);
         }
@@ -117,7 +117,7 @@ impl Bench<'_> {
     }
 
     /// A node-ID next to the device's own at which no other node was heard.
-    pub fn vacant_neighbour(&self) -> Option<u8> {
+    pub(crate) fn vacant_neighbour(&self) -> Option<u8> {
         let own = self.node().raw();
         let candidates = [own.checked_add(1), own.checked_sub(1), own.checked_add(2), own.checked_sub(2)];
         let vacant = |raw: &u8| {

@@ -63,7 +63,7 @@ impl Foreign {
     }
 
     /// The most frequent identifier, with its number of frames.
-    pub fn loudest(&self) -> Option<(CanId, u64)> {
+    pub(crate) fn loudest(&self) -> Option<(CanId, u64)> {
         let mut counts: HashMap<CanId, u64> = HashMap::new();
         self.frames.iter().for_each(|((id, _), count)| *counts.entry(*id).or_default() += count);
         counts.into_iter().max_by_key(|&(id, count)| (count, std::cmp::Reverse(id)))

@@ -99,7 +99,7 @@ pub(crate) const DEVICE_KEEPS_UP: &str = "the device keeps up";
 
 /// Contents of a case's report beside its verdict.
 #[derive(Debug, Default)]
-pub struct Remains {
+pub(crate) struct Remains {
     /// The frames that were on the bus.
     pub evidence: Evidence,
     /// Other events: an unexpected EMCY, a value that could not be restored.
@@ -188,12 +188,12 @@ impl<'a> Bench<'a> {
     }
 
     /// Time by which a frame may be late, or the next frame early after it, only because of the bus.
-    pub fn bus_delay(&self) -> Duration {
+    pub(crate) fn bus_delay(&self) -> Duration {
         self.traffic.bus_delay()
     }
 
     /// The longest delay of the tester's machine so far, up to the bound above which it excuses the device altogether.
-    pub fn host_delay(&self) -> Duration {
+    pub(crate) fn host_delay(&self) -> Duration {
         self.traffic.host_delay()
     }
 
@@ -214,7 +214,7 @@ impl<'a> Bench<'a> {
     }
 
     /// Whether the run must end: the user has cancelled it, or its time is over.
-    pub fn is_cancelled(&self) -> bool {
+    pub(crate) fn is_cancelled(&self) -> bool {
         self.traffic.is_cancelled()
     }
 
@@ -286,7 +286,7 @@ impl<'a> Bench<'a> {
     }
 
     /// Declares that the case provokes errors: the report then does not note EMCYs as unexpected.
-    pub fn expect_emergencies(&mut self) {
+    pub(crate) fn expect_emergencies(&mut self) {
         self.traffic.watch.expect_emergencies();
     }
 

@@ -41,7 +41,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// The errors of [`Bench::send`].
-    pub fn command_all(&mut self, command: Command) -> Result<Sent, Stop> {
+    pub(crate) fn command_all(&mut self, command: Command) -> Result<Sent, Stop> {
         self.command_to(0, command)
     }
 
@@ -49,7 +49,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// The errors of [`Bench::send`].
-    pub fn command_to(&mut self, node: u8, command: Command) -> Result<Sent, Stop> {
+    pub(crate) fn command_to(&mut self, node: u8, command: Command) -> Result<Sent, Stop> {
         let concerned = node == 0 || node == self.node().raw();
         if concerned && command.is_reset() {
             self.traffic.watch.expect_boot_up();
@@ -62,7 +62,7 @@ impl Bench<'_> {
 
     /// Declares that the device may restart because of the next action of the case: a restart is no surprise, but not
     /// required either.
-    pub fn watch_restart(&mut self) {
+    pub(crate) fn watch_restart(&mut self) {
         self.traffic.watch.expect_boot_up();
     }
 
@@ -72,7 +72,7 @@ impl Bench<'_> {
     }
 
     /// Whether a frame is an error control message of the device under test, with any content.
-    pub fn is_error_control(&self, frame: &Frame) -> bool {
+    pub(crate) fn is_error_control(&self, frame: &Frame) -> bool {
         frame.cob_id() == Some(error_control::CAN_ID_BASE + u16::from(self.node().raw()))
     }
 
@@ -142,7 +142,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// The errors of [`Bench::wait_for`].
-    pub fn record_start(&mut self, command: Command, after: Duration) -> Result<Start, Stop> {
+    pub(crate) fn record_start(&mut self, command: Command, after: Duration) -> Result<Start, Stop> {
         self.drain()?;
         self.command(command)?;
         // The command itself must be on the bus first: frames before it do not belong to the start.

@@ -12,15 +12,15 @@ use canvass_bus::client::Outcome;
 use canvass_bus::client::sdo::Mode;
 
 /// COB-ID of TPDO 1.
-pub const TPDO_COB_ID: Multiplexer = Multiplexer::new(object::TPDO_COMMUNICATION_PARAMETER, 1);
+pub(crate) const TPDO_COB_ID: Multiplexer = Multiplexer::new(object::TPDO_COMMUNICATION_PARAMETER, 1);
 /// Transmission type of TPDO 1.
 pub const TRANSMISSION_TYPE: Multiplexer = Multiplexer::new(object::TPDO_COMMUNICATION_PARAMETER, 2);
 /// Inhibit time of TPDO 1, in 100 µs.
-pub const INHIBIT_TIME: Multiplexer = Multiplexer::new(object::TPDO_COMMUNICATION_PARAMETER, 3);
+pub(crate) const INHIBIT_TIME: Multiplexer = Multiplexer::new(object::TPDO_COMMUNICATION_PARAMETER, 3);
 /// Number of objects that TPDO 1 carries.
-pub const TPDO_MAPPED: Multiplexer = Multiplexer::new(object::TPDO_MAPPING_PARAMETER, 0);
+pub(crate) const TPDO_MAPPED: Multiplexer = Multiplexer::new(object::TPDO_MAPPING_PARAMETER, 0);
 /// The first object that TPDO 1 carries.
-pub const TPDO_FIRST_ENTRY: Multiplexer = Multiplexer::new(object::TPDO_MAPPING_PARAMETER, 1);
+pub(crate) const TPDO_FIRST_ENTRY: Multiplexer = Multiplexer::new(object::TPDO_MAPPING_PARAMETER, 1);
 /// Event timer of TPDO 1, in ms.
 pub const EVENT_TIMER: Multiplexer = Multiplexer::new(object::TPDO_COMMUNICATION_PARAMETER, 5);
 
@@ -183,7 +183,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// The errors of [`Bench::upload`].
-    pub fn long_object(&mut self, at_least: usize) -> Result<Option<Multiplexer>, Stop> {
+    pub(crate) fn long_object(&mut self, at_least: usize) -> Result<Option<Multiplexer>, Stop> {
         for multiplexer in self.long_candidates() {
             if self.is_long(multiplexer, at_least)? {
                 self.uses(multiplexer, "read in segments or blocks");
@@ -198,7 +198,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// The errors of [`Bench::upload`].
-    pub fn long_objects(&mut self, at_least: usize, most: usize) -> Result<Vec<Multiplexer>, Stop> {
+    pub(crate) fn long_objects(&mut self, at_least: usize, most: usize) -> Result<Vec<Multiplexer>, Stop> {
         let mut found = Vec::new();
         for multiplexer in self.long_candidates() {
             let is_new = self.is_text(multiplexer) && !found.contains(&multiplexer);
@@ -272,7 +272,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// [`Stop::NotApplicable`] if there is none.
-    pub fn long_scratch(&mut self) -> Result<Multiplexer, Stop> {
+    pub(crate) fn long_scratch(&mut self) -> Result<Multiplexer, Stop> {
         let found = self.long_writable();
         if let Some(multiplexer) = found {
             self.uses(multiplexer, "written and read back");
@@ -301,7 +301,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// The errors of [`Bench::upload`].
-    pub fn empty_object(&mut self) -> Result<Option<Multiplexer>, Stop> {
+    pub(crate) fn empty_object(&mut self) -> Result<Option<Multiplexer>, Stop> {
         let Some(description) = &self.target.description else { return Ok(None) };
         let node = self.node();
         let mut entries = description.dictionary.entries().filter(|(_, entry)| {

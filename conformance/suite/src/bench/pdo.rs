@@ -77,7 +77,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// [`Stop::Inconclusive`] if the COB-ID can't be read.
-    pub fn pdo_cob_id(&mut self, pdo: Pdo) -> Result<CobId, Stop> {
+    pub(crate) fn pdo_cob_id(&mut self, pdo: Pdo) -> Result<CobId, Stop> {
         self.read_number(pdo.parameter(1)).map(CobId)
     }
 
@@ -85,7 +85,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// [`Stop::Inconclusive`] if the device refuses the write.
-    pub fn pdo_off(&mut self, pdo: Pdo) -> Result<CobId, Stop> {
+    pub(crate) fn pdo_off(&mut self, pdo: Pdo) -> Result<CobId, Stop> {
         let before = self.pdo_cob_id(pdo)?;
         self.write(pdo.parameter(1), &(before.0 | CobId::INVALID).to_le_bytes())?;
         Ok(before)
@@ -95,7 +95,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// [`Stop::Inconclusive`] if the device refuses the write.
-    pub fn pdo_on(&mut self, pdo: Pdo, cob_id: CobId) -> Result<(), Stop> {
+    pub(crate) fn pdo_on(&mut self, pdo: Pdo, cob_id: CobId) -> Result<(), Stop> {
         self.write(pdo.parameter(1), &self.valid_cob_id(pdo, cob_id).0.to_le_bytes())
     }
 
@@ -104,7 +104,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// [`Stop::Inconclusive`] if the device refuses a write.
-    pub fn set_pdo(&mut self, pdo: Pdo, parameters: &[(u8, &[u8])]) -> Result<(), Stop> {
+    pub(crate) fn set_pdo(&mut self, pdo: Pdo, parameters: &[(u8, &[u8])]) -> Result<(), Stop> {
         let cob_id = self.pdo_off(pdo)?;
         for (sub, value) in parameters {
             let is_off = *sub > 2 && value.iter().all(|&byte| byte == 0);
@@ -120,7 +120,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// [`Stop::Inconclusive`] if the device refuses the write.
-    pub fn set_event_timer(&mut self, pdo: Pdo, milliseconds: u16) -> Result<(), Stop> {
+    pub(crate) fn set_event_timer(&mut self, pdo: Pdo, milliseconds: u16) -> Result<(), Stop> {
         let value = milliseconds.to_le_bytes();
         let attempt = self.download(pdo.parameter(5), &value)?;
         if attempt.abort().is_some() {
@@ -143,7 +143,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// [`Stop::NotApplicable`] if the mapping is empty, [`Stop::Inconclusive`] if it can't be read.
-    pub fn require_mapped(&mut self, pdo: Pdo) -> Judged {
+    pub(crate) fn require_mapped(&mut self, pdo: Pdo) -> Judged {
         if self.read_number(pdo.entry(0))? > 0 {
             return Ok(());
         }
@@ -167,7 +167,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// [`Stop::Inconclusive`] if the device refuses a write.
-    pub fn open_mapping(&mut self, pdo: Pdo) -> Result<CobId, Stop> {
+    pub(crate) fn open_mapping(&mut self, pdo: Pdo) -> Result<CobId, Stop> {
         let cob_id = self.pdo_off(pdo)?;
         self.write(pdo.entry(0), &[0])?;
         Ok(cob_id)
@@ -177,7 +177,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// [`Stop::Inconclusive`] if the device refuses a step.
-    pub fn set_mapping(&mut self, pdo: Pdo, mapping: &[Mapped]) -> Result<(), Stop> {
+    pub(crate) fn set_mapping(&mut self, pdo: Pdo, mapping: &[Mapped]) -> Result<(), Stop> {
         let cob_id = self.open_mapping(pdo)?;
         for (sub, mapped) in (1..=u8::MAX).zip(mapping) {
             self.write(pdo.entry(sub), &mapped.entry().to_le_bytes())?;
@@ -208,7 +208,7 @@ impl Bench<'_> {
     }
 
     /// A value of an object that differs from `now`, within the limits of its description: the nearest such value.
-    pub fn other_value(&self, at: Multiplexer, now: &[u8]) -> Vec<u8> {
+    pub(crate) fn other_value(&self, at: Multiplexer, now: &[u8]) -> Vec<u8> {
         let flipped = || now.iter().enumerate().map(|(n, byte)| byte ^ u8::from(n == 0)).collect();
         let node = self.node();
         let entry = self.target.description.as_ref().and_then(|description| description.dictionary.entry(at).ok());
@@ -231,7 +231,7 @@ impl Bench<'_> {
     }
 
     /// Whether a number is within the limits of the description.
-    pub fn is_within_limits(&self, at: Multiplexer, number: i128) -> bool {
+    pub(crate) fn is_within_limits(&self, at: Multiplexer, number: i128) -> bool {
         let node = self.node();
         let entry = self.target.description.as_ref().and_then(|description| description.dictionary.entry(at).ok());
         let Some(entry) = entry else { return true };
@@ -246,7 +246,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// The errors of [`Bench::upload`].
-    pub fn pdo_inhibit_time(&mut self, pdo: Pdo) -> Result<Duration, Stop> {
+    pub(crate) fn pdo_inhibit_time(&mut self, pdo: Pdo) -> Result<Duration, Stop> {
         let units = match self.upload(pdo.parameter(3))?.outcome {
             canvass_bus::client::Outcome::Uploaded(value) => u64::from(number(&value)),
             _ => 0,
@@ -255,13 +255,13 @@ impl Bench<'_> {
     }
 
     /// Objects that a TPDO can carry according to the description, each with its length.
-    pub fn tpdo_objects(&self) -> Vec<Mapped> {
+    pub(crate) fn tpdo_objects(&self) -> Vec<Mapped> {
         self.mappable(|entry| entry.access.allows_tpdo())
     }
 
     /// Objects that an RPDO can carry and SDO can read according to the description, so that the effect of an RPDO can
     /// be seen.
-    pub fn rpdo_objects(&self) -> Vec<Mapped> {
+    pub(crate) fn rpdo_objects(&self) -> Vec<Mapped> {
         let mut objects = self.mappable(|entry| entry.access.allows_rpdo() && entry.access.is_readable());
         // A PDO with a preset would move the zero point with every frame.
         objects.retain(|mapped| !self.acts(mapped.at));
@@ -287,7 +287,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// [`Stop::NotApplicable`] if the device has none.
-    pub fn changeable(&mut self) -> Result<(Mapped, Vec<u8>), Stop> {
+    pub(crate) fn changeable(&mut self) -> Result<(Mapped, Vec<u8>), Stop> {
         let mut objects = self.tpdo_objects();
         // Values that fit into an expedited SDO come first.
         objects.sort_by_key(|mapped| mapped.bits > 32);
@@ -307,7 +307,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// The errors of [`Bench::wait_for`].
-    pub fn frames_of(&mut self, can_id: u16, span: Duration) -> Result<Vec<Record>, Stop> {
+    pub(crate) fn frames_of(&mut self, can_id: u16, span: Duration) -> Result<Vec<Record>, Stop> {
         const MOST: usize = 20_000;
         let mut heard = Vec::new();
         self.wait_for(span, |record| {
@@ -323,7 +323,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// [`Stop::Inconclusive`] if the device refuses the write.
-    pub fn stop_sync_period(&mut self) -> Result<(), Stop> {
+    pub(crate) fn stop_sync_period(&mut self) -> Result<(), Stop> {
         let period = Multiplexer::new(object::COMMUNICATION_CYCLE_PERIOD, 0);
         if self.has(period)? && self.read_number(period)? != 0 {
             self.write(period, &0_u32.to_le_bytes())?;
@@ -335,7 +335,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// [`Stop::Inconclusive`] if the device refuses the write.
-    pub fn expect_plain_sync(&mut self) -> Result<(), Stop> {
+    pub(crate) fn expect_plain_sync(&mut self) -> Result<(), Stop> {
         let overflow = Multiplexer::new(object::SYNCHRONOUS_COUNTER_OVERFLOW, 0);
         if self.has(overflow)? && self.read_number(overflow)? != 0 {
             self.stop_sync_period()?;
@@ -348,7 +348,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// The errors of [`Bench::upload`].
-    pub fn sync_id(&mut self) -> Result<u16, Stop> {
+    pub(crate) fn sync_id(&mut self) -> Result<u16, Stop> {
         let object = Multiplexer::new(object::COB_ID_SYNC, 0);
         if !self.has(object)? {
             return Ok(sync::CAN_ID);

@@ -124,7 +124,7 @@ impl Bench<'_> {
     }
 
     /// Whether no node with this node-ID was heard.
-    pub fn is_vacant(&self, node: u8) -> bool {
+    pub(crate) fn is_vacant(&self, node: u8) -> bool {
         NodeId::new(node).is_some_and(|node| !self.traffic.watch.others().contains(&node))
     }
 

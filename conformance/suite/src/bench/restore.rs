@@ -47,8 +47,8 @@ impl Bench<'_> {
     }
 
     /// Cleans up after a case that was cancelled or could not go on, and so has not run its own end. `rescue` restores
-    /// the node-ID and bit rate; [`super::baseline::settle_memory`] restores the memory.
-    pub(crate) fn end_early(&mut self, rescue: Option<Rescue>) {
+    /// the node-ID and bit rate; `settle_memory` restores the memory.
+    pub fn end_early(&mut self, rescue: Option<Rescue>) {
         let stored = self.traffic.watch.has_stored();
         // A failure here shows in the comparison after the run.
         let _ = self.uncancelled(|bench| rescue.map_or(Ok(()), |rescue| rescue(bench, stored)));

@@ -44,7 +44,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// The errors of [`Bench::upload`].
-    pub fn download_segmented(&mut self, multiplexer: Multiplexer, value: &[u8]) -> Result<Attempt, Stop> {
+    pub(crate) fn download_segmented(&mut self, multiplexer: Multiplexer, value: &[u8]) -> Result<Attempt, Stop> {
         self.remember(multiplexer)?;
         self.download_as(multiplexer, value, Mode::Segmented)
     }
@@ -81,7 +81,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// [`Stop::Inconclusive`] if the device returns no value.
-    pub fn read_number(&mut self, multiplexer: Multiplexer) -> Result<u32, Stop> {
+    pub(crate) fn read_number(&mut self, multiplexer: Multiplexer) -> Result<u32, Stop> {
         let value = self.read(multiplexer)?;
         Ok(number(&value))
     }
@@ -99,7 +99,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// [`Stop::Inconclusive`] if the device refuses the value.
-    pub fn write_confirmed(&mut self, multiplexer: Multiplexer, value: &[u8]) -> Result<(), Stop> {
+    pub(crate) fn write_confirmed(&mut self, multiplexer: Multiplexer, value: &[u8]) -> Result<(), Stop> {
         self.download(multiplexer, value)?.expect_confirmation().or_inconclusive()
     }
 
@@ -163,7 +163,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// The errors of [`Bench::upload`].
-    pub fn send_unanswered(&mut self, request: &Request, what: impl Into<String>) -> Result<Reply, Stop> {
+    pub(crate) fn send_unanswered(&mut self, request: &Request, what: impl Into<String>) -> Result<Reply, Stop> {
         self.exchange_within(request, what.into(), self.silence())
     }
 
@@ -207,7 +207,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// The errors of [`Bench::wait_for`].
-    pub fn wait_for_late_response(&mut self) -> Result<Option<Frame>, Stop> {
+    pub(crate) fn wait_for_late_response(&mut self) -> Result<Option<Frame>, Stop> {
         self.wait_for_response(self.silence())
     }
 
@@ -215,7 +215,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// A breach if the object can't be read any more.
-    pub fn expect_unchanged(&mut self, multiplexer: Multiplexer, before: &[u8]) -> Judged {
+    pub(crate) fn expect_unchanged(&mut self, multiplexer: Multiplexer, before: &[u8]) -> Judged {
         self.expect_value(multiplexer, before, format!("{multiplexer} keeps its value"))
     }
 
@@ -223,7 +223,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// A breach if the server does not.
-    pub fn expect_served(&mut self, circumstance: &str) -> Judged {
+    pub(crate) fn expect_served(&mut self, circumstance: &str) -> Judged {
         let usual = self.knowledge.device_type.clone();
         let value = self.upload(DEVICE_TYPE)?.under(circumstance).value()?;
         let is_right = usual.as_ref().is_none_or(|usual| value == *usual);
@@ -288,7 +288,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// The errors of [`Bench::send`].
-    pub fn send_request(&mut self, request: &Request) -> Result<(), Stop> {
+    pub(crate) fn send_request(&mut self, request: &Request) -> Result<(), Stop> {
         let cob_id = sdo::REQUEST_BASE + u16::from(self.node().raw());
         self.send(&request.to_frame(cob_id)).map(|_| ())
     }

@@ -105,7 +105,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// [`Stop::Inconclusive`] if the device has a heartbeat producer but does not accept the time.
-    pub fn show_state(&mut self) -> Result<(), Stop> {
+    pub(crate) fn show_state(&mut self) -> Result<(), Stop> {
         match self.heartbeats()? {
             Heartbeats::Settable(milliseconds) => self.write(HEARTBEAT_TIME, &milliseconds.to_le_bytes()),
             Heartbeats::Fixed(_) => Ok(()),
@@ -119,7 +119,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// The errors of [`Bench::upload`].
-    pub fn let_guarding_be_answered(&mut self) -> Result<(), Stop> {
+    pub(crate) fn let_guarding_be_answered(&mut self) -> Result<(), Stop> {
         if self.can_write(GUARD_TIME)? && self.can_write(LIFE_TIME_FACTOR)? {
             self.download(GUARD_TIME, &10_000_u16.to_le_bytes())?;
             self.download(LIFE_TIME_FACTOR, &[100])?;
@@ -131,7 +131,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// [`Stop::Inconclusive`] if the device has a heartbeat producer but does not accept the time.
-    pub fn prefer_guarding(&mut self) -> Result<(), Stop> {
+    pub(crate) fn prefer_guarding(&mut self) -> Result<(), Stop> {
         if self.heartbeats()?.is_settable() && self.read_number(HEARTBEAT_TIME)? != 0 {
             self.write(HEARTBEAT_TIME, &[0, 0])?;
         }
@@ -171,7 +171,7 @@ impl Bench<'_> {
     ///
     /// # Errors
     /// The errors of [`Bench::wait_for`].
-    pub fn ask_for_state(&mut self) -> Result<(), Stop> {
+    pub(crate) fn ask_for_state(&mut self) -> Result<(), Stop> {
         self.drain()?;
         let id = CanId::standard_masked(u32::from(error_control::CAN_ID_BASE) + u32::from(self.node().raw()));
         match Frame::remote(id, 1) {
@@ -291,7 +291,7 @@ impl Bench<'_> {
 }
 
 /// The NMT command that leads to a state from every other state.
-pub const fn command_to(state: State) -> Option<Command> {
+pub(crate) const fn command_to(state: State) -> Option<Command> {
     match state {
         State::PRE_OPERATIONAL => Some(Command::ENTER_PRE_OPERATIONAL),
         State::OPERATIONAL => Some(Command::START),

@@ -149,7 +149,7 @@ impl Target {
 
     /// The device of [`Target::of`], with the faults of these that change its description. Faults of the firmware
     /// change nothing here.
-    pub fn with_faults(model: &Model, node: NodeId, faults: Faults) -> Self {
+    pub(crate) fn with_faults(model: &Model, node: NodeId, faults: Faults) -> Self {
         Self::with_firmware(model, node, faults.into())
     }
 

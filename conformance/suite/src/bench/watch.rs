@@ -75,7 +75,7 @@ impl Watch {
     }
 
     /// Records a reset command: the next boot-up is no surprise.
-    pub fn expect_boot_up(&mut self) {
+    pub(crate) fn expect_boot_up(&mut self) {
         self.awaiting_boot_up = true;
     }
 
@@ -85,12 +85,12 @@ impl Watch {
     }
 
     /// Whether the case has commanded the device to become operational.
-    pub const fn has_started(&self) -> bool {
+    pub(crate) const fn has_started(&self) -> bool {
         self.started
     }
 
     /// Declares that the case provokes errors: EMCYs are no surprise.
-    pub fn expect_emergencies(&mut self) {
+    pub(crate) fn expect_emergencies(&mut self) {
         self.provoked = true;
     }
 
@@ -167,34 +167,34 @@ impl Watch {
 
     /// Whether the device was commanded to restore its defaults in this case: it may use them until power-off and keep
     /// other values in its memory.
-    pub fn has_loaded(&self) -> bool {
+    pub(crate) fn has_loaded(&self) -> bool {
         self.loaded
     }
 
     /// Records that a case of an earlier run may have restored defaults.
-    pub fn assume_loaded(&mut self) {
+    pub(crate) fn assume_loaded(&mut self) {
         self.loaded = true;
     }
 
     /// Whether the case has configured another bit rate.
-    pub fn has_configured_bit_rate(&self) -> bool {
+    pub(crate) fn has_configured_bit_rate(&self) -> bool {
         self.configured_bit_rate
     }
 
     /// Records that a case of an earlier run may have configured another bit rate.
-    pub fn assume_configured_bit_rate(&mut self) {
+    pub(crate) fn assume_configured_bit_rate(&mut self) {
         self.configured_bit_rate = true;
     }
 
     /// Records that another node has answered.
-    pub fn add_other(&mut self, node: NodeId) {
+    pub(crate) fn add_other(&mut self, node: NodeId) {
         if !self.given.contains(&node) {
             self.others.insert(node);
         }
     }
 
     /// Records that the device under test may use this node-ID from now on.
-    pub fn add_given(&mut self, node: NodeId) {
+    pub(crate) fn add_given(&mut self, node: NodeId) {
         self.others.remove(&node);
         self.given.insert(node);
     }

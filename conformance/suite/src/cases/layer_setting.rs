@@ -31,7 +31,7 @@ pub fn tell<D: Dialect>(bench: &mut Bench<'_>, request: Request<D>) -> Result<Op
 }
 
 /// Sends a message, and waits for a response for at most `span`.
-pub fn exchange_within<D: Dialect>(
+pub(crate) fn exchange_within<D: Dialect>(
     bench: &mut Bench<'_>,
     request: Request<D>,
     span: Duration,
@@ -92,7 +92,7 @@ pub fn expect_error<D: Observed>(
 }
 
 /// Requires silence.
-pub fn expect_silence<D: Observed>(duty: String, found: Option<Response<D>>) -> Check {
+pub(crate) fn expect_silence<D: Observed>(duty: String, found: Option<Response<D>>) -> Check {
     demand(found.is_none(), || {
         let breach = Breach::new(D::SERVICE, duty).expected(Observation::Silence);
         breach.found(observed(found)).told(shown(found))

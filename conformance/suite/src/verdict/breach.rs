@@ -148,7 +148,7 @@ impl Breach {
     }
 
     /// Whether a time was measured or required.
-    pub fn is_of_a_time(&self) -> bool {
+    pub(crate) fn is_of_a_time(&self) -> bool {
         matches!(self.actual, Observation::Time(_)) || matches!(self.allowed, Allowed::Time { .. })
     }
 

@@ -35,7 +35,7 @@ impl Verification {
     }
 
     /// The mismatches that configuration or state of the device may explain.
-    pub fn explicable(&self) -> impl Iterator<Item = &Mismatch> {
+    pub(crate) fn explicable(&self) -> impl Iterator<Item = &Mismatch> {
         self.mismatches.iter().filter(|mismatch| !self.counts(mismatch))
     }
 

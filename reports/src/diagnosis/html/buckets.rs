@@ -10,7 +10,7 @@ pub trait Merge {
 
 /// At most `MOST` buckets of equal width, from a start time on.
 #[derive(Debug)]
-pub struct Buckets<T, const MOST: usize> {
+pub(crate) struct Buckets<T, const MOST: usize> {
     start: Timestamp,
     width: Duration,
     /// Maximum number of buckets, which is `MOST` or less.
@@ -25,7 +25,7 @@ impl<T: Merge, const MOST: usize> Buckets<T, MOST> {
     }
 
     /// Limits the number of buckets to `most`, and to at least one.
-    pub fn limited_to(self, most: usize) -> Self {
+    pub(crate) fn limited_to(self, most: usize) -> Self {
         Self { most: most.clamp(1, MOST), ..self }
     }
 

@@ -26,7 +26,7 @@ const ROUGHLY: usize = 32;
 
 /// The EMCY messages of one node within a bucket.
 #[derive(Clone, Copy, Debug)]
-pub struct Emergencies {
+pub(crate) struct Emergencies {
     /// The time of the first message.
     pub time: Timestamp,
     /// The error code of the first message that reports an error, or of the first message if none does.

@@ -24,7 +24,7 @@ const CHARACTERS: usize = 400;
 
 /// Collects the frames to show, in bounded memory.
 #[derive(Default)]
-pub struct Excerpt {
+pub(crate) struct Excerpt {
     seen: u64,
     /// The latest frames.
     ring: VecDeque<Shown>,
@@ -132,10 +132,10 @@ impl Shown {
 }
 
 /// The properties that distinguish frames of several captures.
-pub type FrameKey = (Timestamp, ChannelId, u64, u64);
+pub(crate) type FrameKey = (Timestamp, ChannelId, u64, u64);
 
 /// The frame of an exhibit, if it has one.
-pub fn key_of(exhibit: &Exhibit) -> Option<FrameKey> {
+pub(crate) fn key_of(exhibit: &Exhibit) -> Option<FrameKey> {
     let record = exhibit.record.as_ref()?;
     Some((record.timestamp, record.channel, record.place.number, record.place.offset))
 }

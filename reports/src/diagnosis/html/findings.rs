@@ -13,7 +13,7 @@ pub fn anchor(at: usize) -> String {
 }
 
 /// A severity with a sign, which distinguishes severities without colours.
-pub fn badge(severity: Severity, count: usize) -> Markup {
+pub(crate) fn badge(severity: Severity, count: usize) -> Markup {
     let (sign, name) = match severity {
         Severity::Error => ("✕", "Error"),
         Severity::Warning => ("▲", "Warning"),

@@ -28,7 +28,7 @@ pub struct Span {
 
 /// The silences of a node.
 #[derive(Debug, Default)]
-pub struct Silences {
+pub(crate) struct Silences {
     /// The times from the last frame before a silence to the first one after it, in the order of time.
     windows: Vec<(Timestamp, Timestamp)>,
     /// Number of further silences whose times are not known.

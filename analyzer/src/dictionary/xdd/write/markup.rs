@@ -27,7 +27,7 @@ impl Markup {
     }
 
     /// Writes an element with a text, or nothing if there is no text.
-    pub fn leaf(&mut self, name: &'static str, attributes: Attributes<'_>, text: Option<&str>) {
+    pub(crate) fn leaf(&mut self, name: &'static str, attributes: Attributes<'_>, text: Option<&str>) {
         if let Some(text) = text {
             self.start(name, attributes, ">");
             self.text.push_str(&escape(text));
@@ -43,7 +43,7 @@ impl Markup {
         }
     }
 
-    pub fn into_text(self) -> String {
+    pub(crate) fn into_text(self) -> String {
         self.text
     }
 

@@ -6,7 +6,7 @@ use crate::profiles::cia406::objects;
 use canvass_macros::rule;
 
 /// Causes: an EMCY reports a condition that alarms and warnings then show.
-pub const FOLLOWS: &[(&str, Effect)] =
+pub(crate) const FOLLOWS: &[(&str, Effect)] =
     &[("emcy/raised", Effect::on(&["encoder/alarm", "encoder/warning"]).of_same_node().during(SOON, SETTLE))];
 
 /// an encoder shows an alarm
@@ -23,7 +23,7 @@ pub const FOLLOWS: &[(&str, Effect)] =
 struct Alarm;
 
 /// Reports each set bit.
-pub fn tell_bits(index: u16, kind: &str, context: &Context<'_>, sink: &mut Sink<'_>) {
+pub(crate) fn tell_bits(index: u16, kind: &str, context: &Context<'_>, sink: &mut Sink<'_>) {
     for operand in operands(context) {
         if operand.object.index.0 != index || operand.written {
             continue;

@@ -15,7 +15,7 @@ pub fn layout<'a>(context: &Context<'a>) -> Option<&'a Layout> {
 }
 
 /// Whether the node is known to be an encoder.
-pub fn is_encoder(context: &Context<'_>, node: NodeId) -> bool {
+pub(crate) fn is_encoder(context: &Context<'_>, node: NodeId) -> bool {
     context.scene.bus.node(node).and_then(|known| known.profile(node)) == Some(NUMBER)
 }
 

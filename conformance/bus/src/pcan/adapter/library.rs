@@ -16,14 +16,14 @@ use std::path::Path;
 pub(super) struct Parameter(u8);
 
 impl Parameter {
-    pub const RECEIVE_EVENT: Self = Self(0x03);
-    pub const API_VERSION: Self = Self(0x05);
-    pub const BUS_OFF_RESET: Self = Self(0x07);
+    pub(crate) const RECEIVE_EVENT: Self = Self(0x03);
+    pub(crate) const API_VERSION: Self = Self(0x05);
+    pub(crate) const BUS_OFF_RESET: Self = Self(0x07);
     pub const LISTEN_ONLY: Self = Self(0x08);
-    pub const CONDITION: Self = Self(0x0D);
-    pub const HARDWARE_NAME: Self = Self(0x0E);
-    pub const ALLOW_STATUS_FRAMES: Self = Self(0x1E);
-    pub const ALLOW_ERROR_FRAMES: Self = Self(0x20);
+    pub(crate) const CONDITION: Self = Self(0x0D);
+    pub(crate) const HARDWARE_NAME: Self = Self(0x0E);
+    pub(crate) const ALLOW_STATUS_FRAMES: Self = Self(0x1E);
+    pub(crate) const ALLOW_ERROR_FRAMES: Self = Self(0x20);
 }
 
 /// The value of a parameter that is switched on.
@@ -109,7 +109,7 @@ impl Library {
     }
 
     /// Closes a channel, whether it is open or not.
-    pub fn uninitialize(&self, channel: Channel) -> Status {
+    pub(crate) fn uninitialize(&self, channel: Channel) -> Status {
         // SAFETY: the function is called as declared; the argument is a number.
         Status(unsafe { (self.uninitialize)(channel.handle()) })
     }

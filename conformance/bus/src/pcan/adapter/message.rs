@@ -49,10 +49,10 @@ pub(super) enum Content {
 
 impl Message {
     /// A message that no library writes. If it is unchanged after a call, the library has not filled it.
-    pub const UNTOUCHED: Self = Self { id: u32::MAX, kind: u8::MAX, length: u8::MAX, data: [u8::MAX; 8] };
+    pub(crate) const UNTOUCHED: Self = Self { id: u32::MAX, kind: u8::MAX, length: u8::MAX, data: [u8::MAX; 8] };
 
     /// The message for sending a data or remote frame; `None` for other frames.
-    pub fn to_send(frame: &Frame) -> Option<Self> {
+    pub(crate) fn to_send(frame: &Frame) -> Option<Self> {
         if frame.is_error() || frame.is_fd() || frame.is_xl() || frame.is_head() {
             return None;
         }

@@ -117,7 +117,7 @@ pub enum EncoderKind {
 /// range.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum UniversalScaling {
+pub(crate) enum UniversalScaling {
     /// While bit 12 of 6000h is set.
     #[serde(rename = "by-bit-12")]
     ByBit12,

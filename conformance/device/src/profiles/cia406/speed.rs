@@ -116,7 +116,7 @@ impl Encoder {
     }
 
     /// Whether the shaft turns faster than its limit (6505h bit 0).
-    pub fn is_too_fast(&self, now: Timestamp) -> bool {
+    pub(crate) fn is_too_fast(&self, now: Timestamp) -> bool {
         let Some(limit) = self.sheet.speed_warning_rpm else { return false };
         let (parts, nanoseconds) = self.turned(now, INTEGRATION_TIME);
         // Both positions are rounded down, so a difference of one part may be no movement.

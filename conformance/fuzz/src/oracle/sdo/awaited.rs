@@ -72,7 +72,7 @@ pub(super) struct Writing {
 
 impl Awaited {
     /// Whether the server has to answer.
-    pub const fn is_required(&self) -> bool {
+    pub(crate) const fn is_required(&self) -> bool {
         match self {
             Self::Nothing | Self::Anything | Self::AbortOrIgnored => false,
             Self::ConfirmBlock { required, .. } => *required,

@@ -183,7 +183,7 @@ impl Server {
 
     /// The NMT state has changed. Responses that were on their way may still come for `grace`, unless no request came
     /// for `quiet`. Later requests belong to the new state.
-    pub fn state_changed(&mut self, now: Timestamp, served: Served, grace: Duration, quiet: Duration) {
+    pub(crate) fn state_changed(&mut self, now: Timestamp, served: Served, grace: Duration, quiet: Duration) {
         match served {
             Served::No => {
                 self.reset();
@@ -286,12 +286,12 @@ impl Server {
     }
 
     /// Whether the next frame is, or may be, taken for a segment of a block download.
-    pub fn is_in_blocks(&self) -> bool {
+    pub(crate) fn is_in_blocks(&self) -> bool {
         matches!(self.state, TransferState::Unsure | TransferState::BlockDownload { .. })
     }
 
     /// The rule of the answer that the server owes now, if it owes one.
-    pub fn awaits(&self) -> Option<&'static str> {
+    pub(crate) fn awaits(&self) -> Option<&'static str> {
         self.awaited.is_required().then(|| self.awaited.rule())
     }
 
@@ -301,12 +301,12 @@ impl Server {
     }
 
     /// Whether the server is sending the segments of a block.
-    pub fn is_sending_blocks(&self) -> bool {
+    pub(crate) fn is_sending_blocks(&self) -> bool {
         matches!(self.state, TransferState::BlockUpload(_) | TransferState::Unsure)
     }
 
     /// Whether a value without confirmation may already have been written.
-    pub fn is_writing(&self) -> bool {
+    pub(crate) fn is_writing(&self) -> bool {
         self.overlapped
             || matches!(
                 self.awaited,
@@ -318,7 +318,7 @@ impl Server {
     }
 
     /// Whether one of the objects may already have been written without confirmation.
-    pub fn may_move(&self, objects: &[Multiplexer]) -> bool {
+    pub(crate) fn may_move(&self, objects: &[Multiplexer]) -> bool {
         match self.awaited {
             _ if self.overlapped => !objects.is_empty(),
             Awaited::Anything => !objects.is_empty(),

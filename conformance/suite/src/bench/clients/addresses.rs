@@ -29,7 +29,7 @@ impl Addresses {
     }
 
     /// The addresses of a device with these values in its dictionary. Its first SDO channel has the predefined CAN-IDs.
-    pub fn of_values(node: NodeId, values: impl Iterator<Item = (Multiplexer, u32)>) -> Self {
+    pub(crate) fn of_values(node: NodeId, values: impl Iterator<Item = (Multiplexer, u32)>) -> Self {
         let request = sdo::REQUEST_BASE + u16::from(node.raw());
         let listens = BTreeMap::from([(request, ForeignKind::SdoRead)]);
         let mut addresses = Self { node, listens, sends: BTreeSet::new(), makes_sync: false, makes_time: false };

@@ -11,7 +11,7 @@ const KEPT: usize = 2_048;
 
 /// Whether the adapter echoes frames. An adapter that returns one frame returns all.
 #[derive(Debug, Default)]
-pub struct Echo {
+pub(crate) struct Echo {
     sent: VecDeque<(Frame, Timestamp)>,
     is_known: Option<bool>,
 }
@@ -26,7 +26,7 @@ impl Echo {
     }
 
     /// Whether a received frame is an echo of an own frame.
-    pub fn gives_back(&mut self, frame: &Frame, at: Timestamp) -> bool {
+    pub(crate) fn gives_back(&mut self, frame: &Frame, at: Timestamp) -> bool {
         self.forget(at);
         let Some(place) = self.sent.iter().position(|(sent, _)| sent == frame) else { return false };
         self.sent.remove(place);

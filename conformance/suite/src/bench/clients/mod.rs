@@ -118,7 +118,7 @@ impl Clients {
     }
 
     /// Takes the values of the device's dictionary, which define its CAN-IDs.
-    pub fn learn_addresses(&mut self, values: &[(Multiplexer, Vec<u8>)]) {
+    pub(crate) fn learn_addresses(&mut self, values: &[(Multiplexer, Vec<u8>)]) {
         let numbers = values.iter().filter(|(_, value)| value.len() <= 4);
         let numbers = numbers.map(|(at, value)| (*at, super::sdo::number(value)));
         self.usual = Addresses::of_values(self.node, numbers);
@@ -131,7 +131,7 @@ impl Clients {
     }
 
     /// The foreign messages since the start of the run.
-    pub fn messages_of_run(&self) -> Vec<ForeignMessages> {
+    pub(crate) fn messages_of_run(&self) -> Vec<ForeignMessages> {
         let mut counts = self.before.clone();
         count(&mut counts, self.messages());
         counts.into_iter().map(|((kind, can_id), count)| ForeignMessages { kind, can_id, count }).collect()
@@ -146,17 +146,17 @@ impl Clients {
     }
 
     /// Whether the last frame was an answer of the SDO server to others.
-    pub const fn has_answered_others(&self) -> bool {
+    pub(crate) const fn has_answered_others(&self) -> bool {
         self.answered_others
     }
 
     /// The time until which the SDO server answers requests of others, if each answer takes at most `patience`.
-    pub fn busy_until(&self, now: Timestamp, patience: Duration) -> Option<Timestamp> {
+    pub(crate) fn busy_until(&self, now: Timestamp, patience: Duration) -> Option<Timestamp> {
         self.queue.busy_until(now, patience)
     }
 
     /// The period of the others' requests, and when the next one is due.
-    pub fn next_request(&self) -> Option<(Duration, Timestamp)> {
+    pub(crate) fn next_request(&self) -> Option<(Duration, Timestamp)> {
         self.queue.next_foreign()
     }
 
@@ -166,12 +166,12 @@ impl Clients {
     }
 
     /// Counts a transfer that ended badly while others used the server.
-    pub fn add_collision(&mut self) {
+    pub(crate) fn add_collision(&mut self) {
         self.collisions += 1;
     }
 
     /// Number of transfers that ended badly while others used the server.
-    pub const fn collisions(&self) -> u64 {
+    pub(crate) const fn collisions(&self) -> u64 {
         self.collisions
     }
 }

@@ -16,7 +16,7 @@ const KEPT: usize = 32;
 
 /// Requests that clients sent to a server of the device, oldest first.
 #[derive(Debug, Default)]
-pub struct ServerQueue {
+pub(crate) struct ServerQueue {
     asked: VecDeque<Asked>,
     /// The end of the time in which another client's transfer may go on.
     busy_until: Option<Timestamp>,
@@ -88,14 +88,14 @@ impl ServerQueue {
     }
 
     /// The period of the others' requests and the time of the next one, estimated from their last two requests.
-    pub fn next_foreign(&self) -> Option<(Duration, Timestamp)> {
+    pub(crate) fn next_foreign(&self) -> Option<(Duration, Timestamp)> {
         let [Some(before), Some(last)] = self.latest else { return None };
         let period = last.since(before);
         Some((period, last + period))
     }
 
     /// The time until which the server is busy with others, if it answers each request within `patience`.
-    pub fn busy_until(&self, now: Timestamp, patience: Duration) -> Option<Timestamp> {
+    pub(crate) fn busy_until(&self, now: Timestamp, patience: Duration) -> Option<Timestamp> {
         let foreign = self.asked.iter().filter(|asked| asked.is_foreign).map(|asked| asked.at + patience);
         foreign.chain(self.busy_until).max().filter(|&until| until > now)
     }

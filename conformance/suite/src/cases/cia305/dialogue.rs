@@ -47,7 +47,7 @@ pub fn expect_error(what: &str, command: ConfigureCommand, allowed: &[u8], found
 }
 
 /// Requires that a confirmation without specific error has no specific error code.
-pub fn expect_plain(what: &str, found: Option<Response>) -> Check {
+pub(crate) fn expect_plain(what: &str, found: Option<Response>) -> Check {
     demand(!found.is_some_and(Response::says_too_much), || {
         let breach = breach(format!("the response to {what} has a specific error code with error code 255 only"));
         breach.expected(Observation::named("specific error code 0")).found(observed(found)).told(shown(found))
@@ -55,12 +55,12 @@ pub fn expect_plain(what: &str, found: Option<Response>) -> Check {
 }
 
 /// Requires silence.
-pub fn expect_silence(what: &str, found: Option<Response>) -> Check {
+pub(crate) fn expect_silence(what: &str, found: Option<Response>) -> Check {
     layer_setting::expect_silence(format!("{what} is not answered"), found)
 }
 
 /// Sets the pending node-ID of the device.
-pub fn set_node_id(bench: &mut Bench<'_>, node_id: u8) -> Result<Option<Response>, Stop> {
+pub(crate) fn set_node_id(bench: &mut Bench<'_>, node_id: u8) -> Result<Option<Response>, Stop> {
     bench.gives_node_id(node_id);
     exchange(bench, Request::ConfigureNodeId { node_id })
 }
@@ -121,7 +121,7 @@ pub fn wait(bench: &mut Bench<'_>) -> Result<(), Stop> {
 }
 
 /// Requires that the slave is in configuration.
-pub fn expect_configuration(bench: &mut Bench<'_>, after: &str) -> Judged {
+pub(crate) fn expect_configuration(bench: &mut Bench<'_>, after: &str) -> Judged {
     let there = is_configuring(bench, bench.timing().lss)?;
     bench.check(demand(there, || {
         let breach = breach(format!("the slave is in configuration after {after}"));
@@ -130,7 +130,7 @@ pub fn expect_configuration(bench: &mut Bench<'_>, after: &str) -> Judged {
 }
 
 /// Requires that the slave is in waiting.
-pub fn expect_waiting(bench: &mut Bench<'_>, after: &str) -> Judged {
+pub(crate) fn expect_waiting(bench: &mut Bench<'_>, after: &str) -> Judged {
     let there = is_configuring(bench, bench.timing().silence)?;
     bench.check(demand(!there, || {
         let breach = breach(format!("the slave is in waiting after {after}"));
@@ -158,7 +158,7 @@ pub fn select(bench: &mut Bench<'_>, parts: &[(Part, u32)], patience: Duration) 
 }
 
 /// Requires exactly this response, or none.
-pub fn expect_heard(duty: String, expected: Option<Response>, heard: &[Response]) -> Check {
+pub(crate) fn expect_heard(duty: String, expected: Option<Response>, heard: &[Response]) -> Check {
     demand(heard == expected.as_slice(), || {
         let actual = match heard {
             [] => Observation::Silence,

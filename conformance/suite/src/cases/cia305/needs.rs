@@ -18,7 +18,7 @@ pub static LSS: Need = Need::new("lss", "layer setting services (LSS)", |bench| 
 .rescued_by(super::node_id::restore);
 
 /// The inquiry of the node-ID, which not every LSS slave supports.
-pub static LSS_INQUIRY: Need = Need::new("lss-inquiry", "the inquiry of the node-ID (LSS 5Eh)", |bench| {
+pub(crate) static LSS_INQUIRY: Need = Need::new("lss-inquiry", "the inquiry of the node-ID (LSS 5Eh)", |bench| {
     // Bringing the slave into configuration finds out whether it supports the inquiry.
     configure(bench)?;
     wait(bench)?;
@@ -30,7 +30,7 @@ pub static LSS_INQUIRY: Need = Need::new("lss-inquiry", "the inquiry of the node
 
 /// Fastscan, which is optional. A slave that supports it shows this only without node-ID: it then answers the message
 /// with which a scan begins.
-pub static FASTSCAN: Need = Need::new("fastscan", "Fastscan (LSS 51h)", |bench| {
+pub(crate) static FASTSCAN: Need = Need::new("fastscan", "Fastscan (LSS 51h)", |bench| {
     let (mut searched, mut answered) = (None, None);
     unconfigured(bench, |bench, _| {
         searched = tell(bench, Request::IdentifyNonConfigured)?;

@@ -23,19 +23,19 @@ pub fn breach(duty: impl Into<String>) -> Breach {
 }
 
 /// Requires that a message is not answered.
-pub fn expect_silence(bench: &mut Bench<'_>, request: Request, when: &str) -> Judged {
+pub(crate) fn expect_silence(bench: &mut Bench<'_>, request: Request, when: &str) -> Judged {
     let response = tell(bench, request)?;
     bench.check(layer_setting::expect_silence(format!("\"{request}\" is not answered {when}"), response))
 }
 
 /// Whether the slave is in configuration: only then does it answer inquiries.
-pub fn is_configuring(bench: &mut Bench<'_>) -> Result<bool, Stop> {
+pub(crate) fn is_configuring(bench: &mut Bench<'_>) -> Result<bool, Stop> {
     let response = tell(bench, Request::Inquire { part: Part::ManufacturerName })?;
     Ok(matches!(response, Some(Response::Part { .. })))
 }
 
 /// Requires that the slave answers inquiries, or that it does not.
-pub fn expect_configuring(bench: &mut Bench<'_>, configuring: bool, duty: impl Into<String>) -> Judged {
+pub(crate) fn expect_configuring(bench: &mut Bench<'_>, configuring: bool, duty: impl Into<String>) -> Judged {
     let found = is_configuring(bench)?;
     bench.check(demand(found == configuring, || {
         let shown = |answers: bool| match answers {
@@ -47,7 +47,7 @@ pub fn expect_configuring(bench: &mut Bench<'_>, configuring: bool, duty: impl I
 }
 
 /// Runs `judge` while the slave is in configuration, and switches it back to operation, whatever the result.
-pub fn in_configuration(bench: &mut Bench<'_>, judge: impl FnOnce(&mut Bench<'_>) -> Judged) -> Judged {
+pub(crate) fn in_configuration(bench: &mut Bench<'_>, judge: impl FnOnce(&mut Bench<'_>) -> Judged) -> Judged {
     tell(bench, Request::SwitchGlobal { mode: 1 })?;
     let judged = judge(bench);
     tell(bench, Request::SwitchGlobal { mode: 0 })?;

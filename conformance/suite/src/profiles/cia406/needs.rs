@@ -33,7 +33,7 @@ pub static ENCODER: Need = Need::new("encoder", "an encoder of CiA 406 with a po
 
 /// A preset (6003h) that a reset reverses, unless the user allows writing to non-volatile memory. A device that stores
 /// a preset at once wears its memory, and keeps a wrong position if the run ends in the middle.
-pub static VOLATILE_PRESET: Need = Need::new(
+pub(crate) static VOLATILE_PRESET: Need = Need::new(
     "volatile-preset",
     "a preset that is not stored immediately (or permission to write non-volatile memory)",
     |bench| {
@@ -53,7 +53,7 @@ pub(super) fn keeps_presets(bench: &Bench<'_>) -> bool {
 }
 
 /// A work area: 6400h, 6401h and 6402h.
-pub static WORK_AREA: Need = Need::new("work-area", "a work area (6400h to 6402h)", |bench| {
+pub(crate) static WORK_AREA: Need = Need::new("work-area", "a work area (6400h to 6402h)", |bench| {
     all(bench, &[(encoder::WORK_AREA_STATE, 1), (encoder::WORK_AREA_LOW_LIMIT, 1), (encoder::WORK_AREA_HIGH_LIMIT, 1)])
 });
 
@@ -71,7 +71,7 @@ pub static ALARMS: Need = Need::new("alarms", "alarms and warnings (6503h to 650
 });
 
 /// The temperature limits of Kübler's Sendix encoders, 2120h.
-pub static TEMPERATURE_LIMIT: Need =
+pub(crate) static TEMPERATURE_LIMIT: Need =
     Need::new("temperature-limit", "temperature limits of Kübler's Sendix encoders (2120h)", |bench| {
         of_kuebler(bench, &[(0x2120, 2), (0x2120, 3), (encoder::WARNINGS, 0)])
     });
@@ -81,26 +81,27 @@ pub static RAW_POSITION: Need =
     Need::new("raw-position", "a raw position (600Ch)", |bench| all(bench, &[(encoder::POSITION_RAW_VALUE, 0)]));
 
 /// The raw position of Kübler's Sendix encoders with its inverse and checksum, 2160h to 2162h.
-pub static RAW_DATA: Need =
+pub(crate) static RAW_DATA: Need =
     Need::new("raw-data", "the raw position of Kübler's Sendix encoders with its checksum (2160h to 2162h)", |bench| {
         of_kuebler(bench, &[(0x2160, 0), (0x2161, 0), (0x2162, 0)])
     });
 
 /// The speed 6030h.
-pub static SPEED: Need = Need::new("speed", "a speed (6030h)", |bench| all(bench, &[(encoder::SPEED_VALUE, 1)]));
+pub(crate) static SPEED: Need = Need::new("speed", "a speed (6030h)", |bench| all(bench, &[(encoder::SPEED_VALUE, 1)]));
 
 /// The speed 6030h with its parameters 6031h.
-pub static SPEED_PARAMETERS: Need = Need::new("speed-parameters", "a speed with parameters (6030h, 6031h)", |bench| {
-    all(bench, &[(encoder::SPEED_VALUE, 1), (encoder::SPEED_PARAMETER, 4)])
-});
+pub(crate) static SPEED_PARAMETERS: Need =
+    Need::new("speed-parameters", "a speed with parameters (6030h, 6031h)", |bench| {
+        all(bench, &[(encoder::SPEED_VALUE, 1), (encoder::SPEED_PARAMETER, 4)])
+    });
 
 /// The acceleration 6040h.
-pub static ACCELERATION: Need = Need::new("acceleration", "an acceleration (6040h)", |bench| {
+pub(crate) static ACCELERATION: Need = Need::new("acceleration", "an acceleration (6040h)", |bench| {
     all(bench, &[(encoder::SPEED_VALUE, 1), (encoder::ACCELERATION_VALUE, 1)])
 });
 
 /// The jerk 6050h, with the acceleration 6040h.
-pub static JERK: Need = Need::new("jerk", "a jerk (6050h) and an acceleration (6040h)", |bench| {
+pub(crate) static JERK: Need = Need::new("jerk", "a jerk (6050h) and an acceleration (6040h)", |bench| {
     all(bench, &[(encoder::ACCELERATION_VALUE, 1), (encoder::JERK_VALUE, 1)])
 });
 
@@ -119,12 +120,12 @@ pub static CAMS: Need = Need::new("cams", "cams (6300h to 6302h, 6310h, 6320h)",
 });
 
 /// The position in 64 bits, 6008h.
-pub static HIGH_PRECISION: Need = Need::new("high-precision", "a position in 64 bits (6008h)", |bench| {
+pub(crate) static HIGH_PRECISION: Need = Need::new("high-precision", "a position in 64 bits (6008h)", |bench| {
     all(bench, &[(encoder::HIGH_PRECISION_POSITION, 0)])
 });
 
 /// The shaft turns, or the wire moves, while the case runs. A shaft that is at rest now may turn in the next case.
-pub static TURNING_SHAFT: Need = Need::new("turning-shaft", "a shaft that turns while the case runs", |bench| {
+pub(crate) static TURNING_SHAFT: Need = Need::new("turning-shaft", "a shaft that turns while the case runs", |bench| {
     let at = if bench.has(POSITION)? { POSITION } else { LENGTH };
     if !bench.has(at)? {
         return Ok(Err("the device has no position".to_owned()));
@@ -138,7 +139,7 @@ pub static TURNING_SHAFT: Need = Need::new("turning-shaft", "a shaft that turns 
 .moving();
 
 /// Two redundant channels of the position in TPDO 1: 6020h twice in 1A00h.
-pub static REDUNDANT_CHANNELS: Need =
+pub(crate) static REDUNDANT_CHANNELS: Need =
     Need::new("redundant-channels", "two redundant channels of the position (6020h twice in 1A00h)", |bench| {
         let second = Multiplexer::new(TPDO_FIRST_ENTRY.index.0, 2);
         for entry in [TPDO_FIRST_ENTRY, second] {
@@ -150,7 +151,7 @@ pub static REDUNDANT_CHANNELS: Need =
     });
 
 /// The inclinometer of Kübler's draw-wire encoders: 3003h to 3010h, 5000h.
-pub static INCLINOMETER: Need =
+pub(crate) static INCLINOMETER: Need =
     Need::new("inclinometer", "the inclinometer of Kübler's draw-wire encoders (3003h to 3010h, 5000h)", |bench| {
         of_kuebler(bench, &[(0x3003, 0), (0x3004, 0), (0x3005, 0), (0x3010, 0), (0x5000, 0)])
     });

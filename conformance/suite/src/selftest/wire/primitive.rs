@@ -57,7 +57,7 @@ impl Primitive {
 }
 
 /// A name in the form of a part of an id.
-pub fn hyphened(name: &str) -> String {
+pub(crate) fn hyphened(name: &str) -> String {
     name.to_lowercase().replace(' ', "-")
 }
 

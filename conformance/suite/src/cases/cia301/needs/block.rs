@@ -21,11 +21,11 @@ pub static BLOCK_UPLOAD: Need = Need::new("block-upload", "SDO block uploads", |
 });
 
 /// The SDO server supports block downloads.
-pub static BLOCK_DOWNLOAD: Need =
+pub(crate) static BLOCK_DOWNLOAD: Need =
     Need::new("block-download", "SDO block downloads", |bench| Ok(block_download(bench)?.map(|_| ())));
 
 /// The SDO server checks the CRC of block downloads.
-pub static BLOCK_CRC: Need = Need::new("block-crc", "a CRC in SDO block downloads", |bench| {
+pub(crate) static BLOCK_CRC: Need = Need::new("block-crc", "a CRC in SDO block downloads", |bench| {
     let crc = block_download(bench)?;
     Ok(crc.and_then(|crc| if crc { Ok(()) } else { Err("the SDO server checks no CRC of block downloads".to_owned()) }))
 });

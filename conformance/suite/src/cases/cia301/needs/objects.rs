@@ -11,7 +11,7 @@ use canvass_analyzer::wire::sdo::{AbortCode, Payload, Request};
 use canvass_bus::client::Outcome;
 
 /// An object that can be written and read back without side effects.
-pub static SCRATCH_OBJECT: Need =
+pub(crate) static SCRATCH_OBJECT: Need =
     Need::new("scratch-object", "an object that can be written and read back without consequence", |bench| {
         Ok(match bench.scratch_objects()?.is_empty() {
             true => Err("the device has no object that can be written without consequence".to_owned()),
@@ -20,14 +20,14 @@ pub static SCRATCH_OBJECT: Need =
     });
 
 /// A readable value of more than four bytes, which is uploaded in segments.
-pub static SEGMENTED_UPLOAD: Need =
+pub(crate) static SEGMENTED_UPLOAD: Need =
     Need::new("segmented-upload", "a readable value of more than four bytes", |bench| {
         let found = bench.long_object(8)?.map(|_| ());
         Ok(found.ok_or_else(|| "no object that was found gives more than 7 bytes".to_owned()))
     });
 
 /// The SDO server supports segmented downloads. It must if an object has more than four bytes (CiA 301, 7.2.4.2.1).
-pub static SEGMENTED_DOWNLOAD: Need = Need::new("segmented-download", "SDO downloads in segments", |bench| {
+pub(crate) static SEGMENTED_DOWNLOAD: Need = Need::new("segmented-download", "SDO downloads in segments", |bench| {
     if bench.long_writable().is_some() || bench.long_object(5)?.is_some() {
         return Ok(Ok(()));
     }
@@ -62,22 +62,22 @@ pub static TIME: Need =
     Need::new("time", "TIME (1012h)", |bench| bench.can_write_all(&[Multiplexer::new(object::COB_ID_TIME, 0)]));
 
 /// The COB-ID of EMCY, 1014h.
-pub static EMCY_OBJECT: Need = Need::new("emcy-object", "the COB-ID of EMCY (1014h)", |bench| {
+pub(crate) static EMCY_OBJECT: Need = Need::new("emcy-object", "the COB-ID of EMCY (1014h)", |bench| {
     bench.has_all(&[Multiplexer::new(object::COB_ID_EMCY, 0)])
 });
 
 /// A COB-ID of EMCY that can be written, 1014h.
-pub static EMCY_ID: Need = Need::new("emcy-id", "a COB-ID of EMCY that can be written (1014h)", |bench| {
+pub(crate) static EMCY_ID: Need = Need::new("emcy-id", "a COB-ID of EMCY that can be written (1014h)", |bench| {
     bench.can_write_all(&[Multiplexer::new(object::COB_ID_EMCY, 0)])
 });
 
 /// The inhibit time of EMCY, 1015h.
-pub static EMCY_INHIBIT: Need = Need::new("emcy-inhibit", "the inhibit time of EMCY (1015h)", |bench| {
+pub(crate) static EMCY_INHIBIT: Need = Need::new("emcy-inhibit", "the inhibit time of EMCY (1015h)", |bench| {
     bench.can_write_all(&[Multiplexer::new(object::INHIBIT_TIME_EMCY, 0)])
 });
 
 /// The description contains an application object that can be written without side effects.
-pub static APPLICATION_PARAMETER: Need =
+pub(crate) static APPLICATION_PARAMETER: Need =
     Need::new("application-parameter", "an application object that can be written without consequence", |bench| {
         Ok(match bench.application_scratch()? {
             Some(_) => Ok(()),
@@ -86,12 +86,12 @@ pub static APPLICATION_PARAMETER: Need =
     });
 
 /// The SDO server parameter, 1200h.
-pub static SERVER_PARAMETER: Need = Need::new("server-parameter", "the SDO server parameter (1200h)", |bench| {
+pub(crate) static SERVER_PARAMETER: Need = Need::new("server-parameter", "the SDO server parameter (1200h)", |bench| {
     bench.has_all(&[Multiplexer::new(object::SDO_SERVER_PARAMETER, 1)])
 });
 
 /// A second SDO server, 1201h.
-pub static SECOND_SERVER: Need = Need::new("second-server", "a second SDO server (1201h)", |bench| {
+pub(crate) static SECOND_SERVER: Need = Need::new("second-server", "a second SDO server (1201h)", |bench| {
     bench.can_write_all(&[
         Multiplexer::new(object::FURTHER_SDO_SERVER_PARAMETER, 1),
         Multiplexer::new(object::FURTHER_SDO_SERVER_PARAMETER, 2),
@@ -99,11 +99,11 @@ pub static SECOND_SERVER: Need = Need::new("second-server", "a second SDO server
 });
 
 /// Store parameters, 1010h:01.
-pub static STORE_OBJECT: Need =
+pub(crate) static STORE_OBJECT: Need =
     Need::new("store-object", "store parameters (1010h:01)", |bench| bench.has_all(&[STORE_ALL]));
 
 /// Parameters are stored on command, by 1010h:01.
-pub static STORE: Need = Need::new("store", "parameters that are stored on command (1010h:01)", |bench| {
+pub(crate) static STORE: Need = Need::new("store", "parameters that are stored on command (1010h:01)", |bench| {
     let found = bench.has_all(&[STORE_ALL])?;
     Ok(match found {
         Ok(()) if stores_only_by_itself(bench)? => {
@@ -132,7 +132,7 @@ pub static VERIFY_CONFIGURATION: Need = Need::new("verify-configuration", "verif
 });
 
 /// A string that can be written without side effects, according to the description.
-pub static LONG_SCRATCH: Need =
+pub(crate) static LONG_SCRATCH: Need =
     Need::new("long-scratch", "a string that can be written without consequence", |bench| {
         Ok(match bench.long_writable() {
             Some(_) => Ok(()),
@@ -141,7 +141,7 @@ pub static LONG_SCRATCH: Need =
     });
 
 /// A string that is empty.
-pub static EMPTY_VALUE: Need = Need::new("empty-value", "a string that is empty", |bench| {
+pub(crate) static EMPTY_VALUE: Need = Need::new("empty-value", "a string that is empty", |bench| {
     Ok(match bench.empty_object()? {
         Some(_) => Ok(()),
         None => Err("no object that was found is an empty string".to_owned()),

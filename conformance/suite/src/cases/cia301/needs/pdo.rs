@@ -35,7 +35,7 @@ pub static EVENT_TIMER: Need = Need::new("event-timer", "a TPDO with an event ti
 .provided_by(tpdo);
 
 /// TPDO 1 with a mapping that can be changed: 1800h:01 and 1A00h.
-pub static DYNAMIC_MAPPING: Need =
+pub(crate) static DYNAMIC_MAPPING: Need =
     Need::new("dynamic-mapping", "a TPDO 1 whose mapping can be changed (1800h:01, 1A00h)", dynamic_mapping);
 
 fn dynamic_mapping(bench: &mut Bench<'_>) -> Result<Met, Stop> {
@@ -47,7 +47,7 @@ pub static RPDO: Need =
     Need::new("rpdo", "an RPDO (1400h, 1600h)", |bench| bench.has_all(&[FIRST_RPDO.parameter(1), FIRST_RPDO.entry(0)]));
 
 /// RPDO 1 with a mapping that can be changed, and an object for it that SDO can read.
-pub static RPDO_MAPPING: Need = Need::new(
+pub(crate) static RPDO_MAPPING: Need = Need::new(
     "rpdo-mapping",
     "an RPDO 1 whose mapping can be changed, and an object for it that SDOs can read",
     |bench| {
@@ -62,7 +62,7 @@ pub static RPDO_MAPPING: Need = Need::new(
 );
 
 /// TPDO 1 with a mapping that can be changed, and an object for it that SDO can write.
-pub static CHANGEABLE: Need = Need::new(
+pub(crate) static CHANGEABLE: Need = Need::new(
     "changeable",
     "a TPDO 1 whose mapping can be changed, and an object for it that SDOs can write",
     |bench| match dynamic_mapping(bench)? {
@@ -75,7 +75,7 @@ pub static CHANGEABLE: Need = Need::new(
 pub static SYNC: Need = Need::new("sync", "SYNC (1005h)", |bench| bench.has_all(&[SYNC_ID]));
 
 /// The device can produce SYNC: 1005h bit 30 and 1006h. The bit is set while the period is 0, so that no SYNC is sent.
-pub static SYNC_PRODUCER: Need = Need::new("sync-producer", "a SYNC producer (1005h bit 30, 1006h)", |bench| {
+pub(crate) static SYNC_PRODUCER: Need = Need::new("sync-producer", "a SYNC producer (1005h bit 30, 1006h)", |bench| {
     if let Err(why) = bench.can_write_all(&[SYNC_ID, Multiplexer::new(object::COMMUNICATION_CYCLE_PERIOD, 0)])? {
         return Ok(Err(why));
     }
@@ -92,6 +92,6 @@ pub static SYNC_PRODUCER: Need = Need::new("sync-producer", "a SYNC producer (10
 });
 
 /// The counter of SYNC, 1019h.
-pub static SYNC_COUNTER: Need = Need::new("sync-counter", "the SYNC counter (1019h)", |bench| {
+pub(crate) static SYNC_COUNTER: Need = Need::new("sync-counter", "the SYNC counter (1019h)", |bench| {
     bench.can_write_all(&[Multiplexer::new(object::SYNCHRONOUS_COUNTER_OVERFLOW, 0)])
 });

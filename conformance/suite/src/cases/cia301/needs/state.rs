@@ -33,7 +33,7 @@ pub static HEARTBEAT: Need = Need::new("heartbeat", "the heartbeat producer (101
 });
 
 /// The heartbeat consumer, 1016h:01, and a node-ID next to the device's own for the tester to use.
-pub static HEARTBEAT_CONSUMER: Need =
+pub(crate) static HEARTBEAT_CONSUMER: Need =
     Need::new("heartbeat-consumer", "the heartbeat consumer (1016h:01)", heartbeat_consumer);
 
 fn heartbeat_consumer(bench: &mut Bench<'_>) -> Result<Met, Stop> {
@@ -73,17 +73,17 @@ pub static GUARDING: Need = Need::new("guarding", "node guarding (100Ch)", |benc
 });
 
 /// Error behaviour, 1029h:01.
-pub static ERROR_BEHAVIOUR: Need = Need::new("error-behaviour", "error behaviour (1029h:01)", |bench| {
+pub(crate) static ERROR_BEHAVIOUR: Need = Need::new("error-behaviour", "error behaviour (1029h:01)", |bench| {
     bench.can_write_all(&[Multiplexer::new(object::ERROR_BEHAVIOR, 1)])
 });
 
 /// NMT start-up, 1F80h.
-pub static START_UP: Need = Need::new("start-up", "NMT start-up (1F80h)", |bench| {
+pub(crate) static START_UP: Need = Need::new("start-up", "NMT start-up (1F80h)", |bench| {
     bench.can_write_all(&[Multiplexer::new(object::NMT_STARTUP, 0)])
 });
 
 /// No other node was heard on the bus or answers, or the user allows commands to other nodes: the case commands all
 /// nodes.
-pub static ALONE: Need =
+pub(crate) static ALONE: Need =
     Need::new("alone", "a bus without other nodes, because the case commands all of them", |bench| bench.is_alone())
         .fleeting();
