@@ -8,7 +8,7 @@ use std::process::Command;
 use std::sync::Mutex;
 
 /// Default duration of each target, in seconds.
-pub const USUAL: u32 = 15;
+const USUAL: u32 = 15;
 
 /// The folder of the targets. cargo-fuzz's default name `fuzz` would be mistaken for the fuzzer of devices.
 const FOLDER: &str = "fuzz-targets";
@@ -31,6 +31,18 @@ const VARIABLE: &str = "CANVASS_FUZZ_TARGET";
 struct Target {
     name: String,
     seeds: Vec<String>,
+}
+
+/// `cargo xtask fuzz [--for SECONDS]`: runs every target.
+///
+/// # Errors
+/// If the words are others, or a target finds an input that breaks it.
+pub fn command(words: &[String]) -> Result<()> {
+    match words {
+        [] => fuzz(USUAL),
+        [option, seconds] if option == "--for" => fuzz(seconds.parse().context("--for takes whole seconds")?),
+        _ => bail!("expected --for SECONDS, found {}", words.join(" ")),
+    }
 }
 
 /// Runs every target for `seconds` seconds. The sanitizers need a nightly toolchain; without one only the property
