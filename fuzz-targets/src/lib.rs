@@ -1,6 +1,7 @@
 //! Fuzz targets for all readers of foreign bytes. No input may make a reader panic, and each refusal must have a
-//! message. `cargo +nightly fuzz run --fuzz-dir fuzz-targets TARGET` fuzzes with coverage feedback. A test of the
-//! workspace feeds random and mutated real inputs to the readers with every toolchain.
+//! message. `CANVASS_FUZZ_TARGET=TARGET cargo +nightly fuzz run --fuzz-dir fuzz-targets reader` fuzzes one with coverage
+//! feedback; without a target the program lists them. A test of the workspace feeds random and mutated real inputs to
+//! the readers with every toolchain.
 
 use canvass_analyzer::dictionary::DeviceDescription;
 use canvass_analyzer::filter::Filter;
@@ -12,32 +13,65 @@ use canvass_fuzzer::reproducer;
 use canvass_suite::waiver::Waivers;
 use canvass_traces::{CanId, Capture, ChannelId, Format, Frame, ReadOptions, Record, Source, Timestamp};
 
-/// A reader: its name, the function that reads the bytes, and the folders of real inputs.
-pub type Target = (&'static str, fn(&[u8]), &'static [&'static str]);
+/// A reader of foreign bytes.
+#[derive(Clone, Copy)]
+pub struct Target {
+    /// Its name; for a capture format the id of the format.
+    pub name: &'static str,
+    reader: Reader,
+    /// The folders of real inputs, beside its own.
+    seeds: &'static [&'static str],
+}
 
-/// All readers.
-pub const TARGETS: &[Target] = &[
-    ("candump", candump, &["traces/samples"]),
-    ("console", console, &["traces/samples"]),
-    ("pcap", pcap, &["traces/samples"]),
-    ("pcapng", pcapng, &["traces/samples"]),
-    ("mcap", mcap, &["traces/samples"]),
-    ("blf", blf, &["traces/samples"]),
-    ("asc", asc, &["traces/samples"]),
-    ("trc", trc, &["traces/samples"]),
-    ("csv", csv, &["traces/samples"]),
-    ("minimon", minimon, &["traces/samples"]),
-    ("pasted", pasted, &["traces/samples", "fuzz-targets/seeds/pasted"]),
-    ("capture", capture, &["traces/samples"]),
-    ("wire", wire, &[]),
-    ("description", description, &["analyzer/tests/eds", "conformance/device/models"]),
-    ("filter", filter, &[]),
-    ("waivers", waivers, &["fuzz-targets/seeds/waivers"]),
-    ("model", model, &["conformance/device/models"]),
-    ("slcan", slcan, &["fuzz-targets/seeds/slcan"]),
-    ("reproducer", reproducer, &["traces/samples", "fuzz-targets/seeds/reproducer"]),
-    ("motion", motion, &[]),
+#[derive(Clone, Copy)]
+enum Reader {
+    /// Of captures, read as this format.
+    Capture(Format),
+    /// Of anything else.
+    Other(fn(&[u8])),
+}
+
+impl Target {
+    /// Reads the bytes.
+    pub fn read(&self, bytes: &[u8]) {
+        match self.reader {
+            Reader::Capture(format) => read(bytes, Some(format)),
+            Reader::Other(read) => read(bytes),
+        }
+    }
+
+    /// The folders of real inputs, from the root of the repository: those of other tests, and its own if there is one.
+    pub fn seeds(&self) -> Vec<String> {
+        let own = format!("fuzz-targets/seeds/{}", self.name);
+        self.seeds.iter().map(|&folder| folder.to_owned()).chain([own]).collect()
+    }
+}
+
+/// The folder of captures of every format.
+pub const SAMPLES: &str = "traces/samples";
+
+/// The readers that are not of one capture format.
+const OTHERS: &[Target] = &[
+    other("capture", capture, &[SAMPLES]),
+    other("wire", wire, &[]),
+    other("description", description, &["analyzer/tests/eds", "conformance/device/models"]),
+    other("filter", filter, &[]),
+    other("waivers", waivers, &[]),
+    other("model", model, &["conformance/device/models"]),
+    other("slcan", slcan, &[]),
+    other("reproducer", reproducer, &[SAMPLES]),
+    other("motion", motion, &[]),
 ];
+
+const fn other(name: &'static str, read: fn(&[u8]), seeds: &'static [&'static str]) -> Target {
+    Target { name, reader: Reader::Other(read), seeds }
+}
+
+/// All readers: one for each capture format, and the others.
+pub fn targets() -> Vec<Target> {
+    let capture = |format: Format| Target { name: format.id(), reader: Reader::Capture(format), seeds: &[SAMPLES] };
+    Format::all().map(capture).chain(OTHERS.iter().copied()).collect()
+}
 
 fn read(bytes: &[u8], format: Option<Format>) {
     let options = ReadOptions { format, ..ReadOptions::default() };
@@ -49,38 +83,13 @@ fn read(bytes: &[u8], format: Option<Format>) {
     }
 }
 
-macro_rules! formats {
-    ($($name:ident = $id:literal,)*) => {
-        $(
-            #[doc = concat!("Captures, read as ", $id, ".")]
-            pub fn $name(bytes: &[u8]) {
-                read(bytes, Format::by_id($id));
-            }
-        )*
-    };
-}
-
-formats! {
-    candump = "candump",
-    console = "candump-console",
-    pcap = "pcap",
-    pcapng = "pcapng",
-    mcap = "mcap",
-    blf = "blf",
-    asc = "asc",
-    trc = "trc",
-    csv = "csv",
-    minimon = "minimon",
-    pasted = "pasted",
-}
-
 /// Captures of every format, recognised by their content, also compressed.
-pub fn capture(bytes: &[u8]) {
+fn capture(bytes: &[u8]) {
     read(bytes, None);
 }
 
 /// Any frames in any order: each gets one line of text without control characters.
-pub fn wire(bytes: &[u8]) {
+fn wire(bytes: &[u8]) {
     let mut network = Network::new();
     for (n, chunk) in (0_u64..).zip(bytes.chunks_exact(11)) {
         let id = CanId::standard_masked(u32::from(u16::from_le_bytes([chunk[0], chunk[1]])));
@@ -97,7 +106,7 @@ pub fn wire(bytes: &[u8]) {
 }
 
 /// Device descriptions: EDS, DCF, XDD and XDC.
-pub fn description(bytes: &[u8]) {
+fn description(bytes: &[u8]) {
     if let Ok(description) = DeviceDescription::read(bytes) {
         for problem in &description.problems {
             assert!(!problem.to_string().is_empty());
@@ -106,7 +115,7 @@ pub fn description(bytes: &[u8]) {
 }
 
 /// Filter expressions.
-pub fn filter(bytes: &[u8]) {
+fn filter(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
     if let Err(error) = text.parse::<Filter>() {
         assert!(error.column <= text.chars().count() + 1);
@@ -115,7 +124,7 @@ pub fn filter(bytes: &[u8]) {
 }
 
 /// Files of waivers.
-pub fn waivers(bytes: &[u8]) {
+fn waivers(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
     match Waivers::read(text) {
         Ok(waivers) => drop(waivers.deviations("2026-01-01")),
@@ -125,7 +134,7 @@ pub fn waivers(bytes: &[u8]) {
 
 /// The two files of a model: the bytes before the first NUL are its sheet, the bytes after it are its EDS. All bytes
 /// together are also read as the EDS of a device without sheet.
-pub fn model(bytes: &[u8]) {
+fn model(bytes: &[u8]) {
     let end = bytes.iter().position(|&byte| byte == 0);
     let (sheet, eds) = bytes.split_at(end.unwrap_or(0));
     if let (Ok(sheet), Ok(eds)) = (std::str::from_utf8(sheet), std::str::from_utf8(eds)) {
@@ -141,7 +150,7 @@ pub fn model(bytes: &[u8]) {
 
 /// The output of an SLCAN adapter, in pieces of any length. Each frame that is understood can be written and read
 /// again.
-pub fn slcan(bytes: &[u8]) {
+fn slcan(bytes: &[u8]) {
     let mut decoder = Decoder::default();
     let cut = bytes.first().map_or(0, |&byte| usize::from(byte)).min(bytes.len());
     let (head, tail) = bytes.split_at(cut);
@@ -164,7 +173,7 @@ pub fn slcan(bytes: &[u8]) {
 }
 
 /// Reproducers of the fuzzer, and captures to replay.
-pub fn reproducer(bytes: &[u8]) {
+fn reproducer(bytes: &[u8]) {
     match reproducer::read(bytes, NodeId::MIN) {
         Ok(sequences) => {
             for sequence in &sequences {
@@ -178,7 +187,7 @@ pub fn reproducer(bytes: &[u8]) {
 }
 
 /// The points of a motion.
-pub fn motion(bytes: &[u8]) {
+fn motion(bytes: &[u8]) {
     let Ok(text) = std::str::from_utf8(bytes) else { return };
     if let Err(error) = MotionSpec::from_csv(text) {
         assert!(!error.to_string().is_empty());

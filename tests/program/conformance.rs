@@ -94,6 +94,26 @@ fn a_faulty_firmware_fails_with_reason_and_frames() {
     }
 }
 
+/// A device that boots twice fails the cases of both resets, for one reason. A second defect is told apart from it.
+#[test]
+fn cases_that_fail_for_the_same_defect_are_told_together() {
+    let cases = ["301/boot-up/reset-communication", "301/boot-up/reset-node"];
+    let twice = "sim:reference-301+boot-up-twice";
+    let text = run(&["test", twice, "--select", &cases.join(",")]).stdout;
+    assert!(text.contains("Of 2 cases 2 failed, all for the same defect"), "{text}");
+    let last: Vec<&str> = text.trim_end().lines().rev().take(2).collect();
+    assert!(last[1].starts_with(&format!("✗ {}  ", cases[0])), "{text}");
+    assert_eq!(last[0].trim(), format!("the same: {}", cases[1]));
+
+    let both = [twice, "+vendor-id-zero"].concat();
+    let select = [&cases[..], &["301/identity/vendor-id"]].concat().join(",");
+    let report = json(&run(&["test", &both, "--select", &select, "--format", "json"]).stdout);
+    let named: Vec<&Value> = report["defects"].as_array().unwrap().iter().map(|defect| &defect["cases"]).collect();
+    assert_eq!(named, [&serde_json::json!(cases), &serde_json::json!(["301/identity/vendor-id"])]);
+    let first = &report["defects"][0]["reason"];
+    assert_eq!(first, &report["cases"].as_array().unwrap().iter().find(|case| case["id"] == cases[0]).unwrap()["reason"]);
+}
+
 #[test]
 fn no_case_is_no_success() {
     let tested = run(&["test", ENCODER, "--select", "nonsense"]);

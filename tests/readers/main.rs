@@ -8,15 +8,15 @@ mod targets;
 use proptest::prelude::*;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use std::path::{Path, PathBuf};
-use targets::{TARGETS, Target};
+use targets::{SAMPLES, Target, targets};
 
 /// The seed inputs of a target; large ones take too long in a test.
-fn seeds(folders: &[&str]) -> Vec<Vec<u8>> {
+fn seeds(target: &Target) -> Vec<Vec<u8>> {
     const LARGEST: u64 = 64 * 1024;
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));
+    let folders = target.seeds().into_iter().map(|folder| root.join(folder)).filter(|folder| folder.is_dir());
     let mut files: Vec<PathBuf> = folders
-        .iter()
-        .flat_map(|folder| std::fs::read_dir(root.join(folder)).unwrap())
+        .flat_map(|folder| std::fs::read_dir(folder).unwrap())
         .map(|entry| entry.unwrap().path())
         .filter(|path| path.is_file() && path.metadata().unwrap().len() <= LARGEST)
         .collect();
@@ -47,44 +47,45 @@ fn input(seeds: Vec<Vec<u8>>) -> BoxedStrategy<Vec<u8>> {
     prop_oneof![4 => changed, 1 => random].boxed()
 }
 
-fn hold(&(name, read, folders): &Target) {
+fn hold(target: &Target) {
     const CASES: u32 = 96;
     let config = Config { cases: CASES, failure_persistence: None, ..Config::default() };
     let mut runner = TestRunner::new_with_rng(config, TestRng::deterministic_rng(RngAlgorithm::ChaCha));
-    let outcome = runner.run(&input(seeds(folders)), |bytes| {
-        read(&bytes);
+    let outcome = runner.run(&input(seeds(target)), |bytes| {
+        target.read(&bytes);
         Ok(())
     });
-    assert!(outcome.is_ok(), "{name}: {outcome:?}");
+    assert!(outcome.is_ok(), "{}: {outcome:?}", target.name);
+}
+
+fn reads_captures(target: &Target) -> bool {
+    target.seeds().iter().any(|folder| folder == SAMPLES)
 }
 
 #[test]
 fn captures_of_every_format_are_survived() {
-    TARGETS.iter().filter(|target| target.2.contains(&"traces/samples")).for_each(hold);
+    targets().iter().filter(|target| reads_captures(target)).for_each(hold);
 }
 
 #[test]
 fn every_other_reader_survives_what_it_reads() {
-    TARGETS.iter().filter(|target| !target.2.contains(&"traces/samples")).for_each(hold);
+    targets().iter().filter(|target| !reads_captures(target)).for_each(hold);
 }
 
 /// Real inputs are also read unchanged.
 #[test]
 fn every_seed_is_read() {
-    for (_, read, folders) in TARGETS {
-        seeds(folders).iter().for_each(|seed| read(seed));
+    for target in targets() {
+        seeds(&target).iter().for_each(|seed| target.read(seed));
     }
 }
 
-/// A capture format without a fuzz target is detected here.
+/// A folder of seeds that belongs to no target would never be read.
 #[test]
-fn every_capture_format_has_its_target() {
-    for format in canvass_traces::Format::all() {
-        let name = format.id().trim_start_matches("candump-");
-        assert!(TARGETS.iter().any(|target| target.0 == name), "{name}");
-    }
-    let manifest = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/fuzz-targets/Cargo.toml")).unwrap();
-    for (name, ..) in TARGETS {
-        assert!(manifest.contains(&format!("targets/{name}.rs")), "{name}");
+fn every_folder_of_seeds_has_its_target() {
+    let folders = std::fs::read_dir(concat!(env!("CARGO_MANIFEST_DIR"), "/fuzz-targets/seeds")).unwrap();
+    for folder in folders {
+        let name = folder.unwrap().file_name().into_string().unwrap();
+        assert!(targets().iter().any(|target| target.name == name), "{name}");
     }
 }

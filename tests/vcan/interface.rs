@@ -4,35 +4,36 @@ use std::process::Command;
 
 /// An interface that is up, and is removed at the end of the test.
 pub struct Interface {
-    name: &'static str,
+    name: String,
 }
 
 impl Interface {
-    pub fn new(name: &'static str) -> Self {
+    pub fn new(name: impl Into<String>) -> Self {
+        let name = name.into();
         // An interrupted run may have left the interface.
-        let _ = Command::new("ip").args(["link", "del", name]).output();
-        ip(&["link", "add", "dev", name, "type", "vcan"]);
+        let _ = Command::new("ip").args(["link", "del", &name]).output();
+        ip(&["link", "add", "dev", &name, "type", "vcan"]);
         let interface = Self { name };
         interface.up();
         interface
     }
 
-    pub fn name(&self) -> &'static str {
-        self.name
+    pub fn name(&self) -> &str {
+        &self.name
     }
 
     pub fn up(&self) {
-        ip(&["link", "set", self.name, "up"]);
+        ip(&["link", "set", &self.name, "up"]);
     }
 
     pub fn down(&self) {
-        ip(&["link", "set", self.name, "down"]);
+        ip(&["link", "set", &self.name, "down"]);
     }
 }
 
 impl Drop for Interface {
     fn drop(&mut self) {
-        let _ = Command::new("ip").args(["link", "del", self.name]).output();
+        let _ = Command::new("ip").args(["link", "del", &self.name]).output();
     }
 }
 

@@ -1,4 +1,4 @@
-//! The names of the capture formats. `formats` has their detection, readers and writers.
+//! The capture formats by name. `formats` has the row of each: its properties, detection, reader and writer.
 
 use std::fmt;
 
@@ -35,55 +35,8 @@ pub enum Format {
     Blf,
     /// python-can CSV.
     PythonCanCsv,
-    /// Lines of frames in no known format.
+    /// Lines of frames in no known format. It stays the last one.
     Pasted,
-}
-
-/// The names and properties of a format.
-struct Facts {
-    id: &'static str,
-    summary: &'static str,
-    /// The usual file name endings, the first one for writing.
-    extensions: &'static [&'static str],
-}
-
-const fn facts(id: &'static str, summary: &'static str, extensions: &'static [&'static str]) -> Facts {
-    Facts { id, summary, extensions }
-}
-
-impl Format {
-    const fn facts(self) -> Facts {
-        match self {
-            Self::Candump => facts("candump", "candump log (candump -l, -L, -f)", &["log"]),
-            Self::CandumpConsole => facts("candump-console", "candump console output", &["txt"]),
-            Self::Pcap => facts("pcap", "pcap (tcpdump), link types SocketCAN, Linux SLL and SLL2", &["pcap", "cap"]),
-            Self::Pcapng => {
-                facts("pcapng", "pcapng (Wireshark), link types SocketCAN, Linux SLL and SLL2", &["pcapng", "ntar"])
-            }
-            Self::Mcap => facts("mcap", "MCAP (ROS 1, ROS 2, Foxglove) with CAN messages", &["mcap"]),
-            Self::Asc => facts("asc", "Vector ASC", &["asc"]),
-            Self::Trc => facts("trc", "PEAK TRC 1.0 to 2.1", &["trc"]),
-            Self::MiniMon => facts("minimon", "IXXAT MiniMon CSV", &["csv"]),
-            Self::Blf => facts("blf", "Vector BLF", &["blf"]),
-            Self::PythonCanCsv => facts("csv", "python-can CSV", &["csv"]),
-            Self::Pasted => facts("pasted", "pasted lines of frames, and tables of other tools", &["txt", "csv"]),
-        }
-    }
-
-    /// The name on the command line.
-    pub const fn id(self) -> &'static str {
-        self.facts().id
-    }
-
-    /// The format in a few words.
-    pub const fn summary(self) -> &'static str {
-        self.facts().summary
-    }
-
-    /// The usual file name endings.
-    pub const fn extensions(self) -> &'static [&'static str] {
-        self.facts().extensions
-    }
 }
 
 impl fmt::Display for Format {

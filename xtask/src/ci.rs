@@ -1,4 +1,7 @@
-//! The steps of CI, in the order of speed and benefit. A failed step does not stop the others.
+//! The steps of CI: first all compilations, side by side, then what runs in real time, alone. A failed step does not stop
+//! the others.
+
+mod aside;
 
 use crate::as_found::as_found;
 use crate::attack;
@@ -12,6 +15,7 @@ use crate::peers;
 use crate::run::{is_there, run, target_folder};
 use crate::storm::storm;
 use crate::{vcan, web, windows};
+use aside::Aside;
 use anyhow::{Result, bail};
 use std::path::PathBuf;
 use std::process::Command;
@@ -31,8 +35,6 @@ const WITHOUT_NEEDS: [&str; 2] =
 const LINTS: &str =
     "cargo clippy --workspace --all-targets --features canvass/peers,canvass/browser,canvass/vcan,canvass/page";
 
-/// Duration of each fuzz target in CI, in seconds: enough for the seeds and quick findings.
-const FUZZ: u32 = 3;
 /// Duration of each fuzz target at night, in seconds.
 const FUZZ_AT_NIGHT: u32 = 120;
 
@@ -47,27 +49,35 @@ struct CiStep {
 const FORMAT: CiStep = CiStep { name: "format", alone: "cargo fmt --all --check", run: format };
 const ALL_TESTS: &str = "cargo nextest run --workspace --locked";
 
-const STEPS: [CiStep; 16] = [
+/// Three seconds for each fuzz target: enough for the seeds and quick findings.
+static FUZZ: Aside = Aside::new(&["fuzz", "--for", "3"]);
+/// The tests of fleets, with the program that is built for the other tests.
+static FLEETS: Aside = Aside::new(&["fleet", "--built"]);
+
+const STEPS: [CiStep; 19] = [
     FORMAT,
-    CiStep { name: "tests", alone: ALL_TESTS, run: tests },
-    CiStep { name: "examples in the documentation", alone: "cargo test --workspace --locked --doc", run: doc_tests },
+    CiStep { name: "compilation", alone: "cargo test --workspace --locked --no-run", run: compilation },
     CiStep { name: "lints", alone: LINTS, run: lints },
     CiStep { name: "documentation", alone: "cargo doc --workspace --locked --no-deps", run: documentation },
     CiStep { name: "without features", alone: "cargo check --no-default-features", run: without_features },
-    CiStep { name: "book", alone: "cargo xtask docs", run: book },
+    CiStep { name: "program for SocketCAN", alone: "cargo xtask vcan --without-nightly", run: program_for_vcan },
     CiStep { name: "programs of others", alone: "cargo xtask peers; cargo xtask browser", run: fetched },
+    CiStep { name: "WebAssembly", alone: "cargo xtask web", run: web::ahead },
+    CiStep { name: "Windows", alone: "cargo xtask windows --check", run: windows::step },
+    CiStep { name: "fuzz targets", alone: "cargo xtask fuzz --for 3", run: || FUZZ.end() },
+    CiStep { name: "fleets", alone: "cargo xtask fleet", run: || FLEETS.end() },
+    CiStep { name: "tests", alone: ALL_TESTS, run: tests },
+    CiStep { name: "examples in the documentation", alone: "cargo test --workspace --locked --doc", run: doc_tests },
+    CiStep { name: "book", alone: "cargo xtask docs", run: book },
     CiStep { name: "peers and browser", alone: "cargo xtask peers; cargo xtask browser", run: peers_and_browser },
     CiStep { name: "attack", alone: "cargo xtask attack --for 45s", run: attacked },
-    CiStep { name: "page as WebAssembly", alone: "cargo xtask web-test", run: page },
-    CiStep { name: "fleets", alone: "cargo xtask fleet", run: fleet::step },
+    CiStep { name: "page", alone: "cargo xtask web-test", run: page },
     CiStep { name: "real SocketCAN", alone: "cargo xtask vcan --without-nightly", run: vcan::by_day },
     CiStep {
         name: "self-test",
         alone: "cargo run --release -- selftest; the same with --null, and with --fuzz",
         run: self_test,
     },
-    CiStep { name: "Windows", alone: "cargo xtask windows --check", run: windows::step },
-    CiStep { name: "fuzz targets", alone: "cargo xtask fuzz", run: || fuzz(FUZZ) },
 ];
 
 /// Steps that take long and find little; they run nightly.
@@ -87,6 +97,7 @@ pub fn ci() -> Result<()> {
     if let Ok(mut fetching) = FETCHING.lock() {
         *fetching = Some(std::thread::spawn(fetch));
     }
+    FUZZ.begin()?;
     all(&STEPS)
 }
 
@@ -183,6 +194,16 @@ fn page() -> Result<()> {
 
 fn everyday_tests() -> Result<()> {
     test(&["--workspace"])
+}
+
+/// Compiles all tests, and begins what needs the program.
+fn compilation() -> Result<()> {
+    run("cargo", &[&["test", "--workspace", "--locked", "--no-run"], &FEATURES[..]].concat())?;
+    FLEETS.begin()
+}
+
+fn program_for_vcan() -> Result<()> {
+    vcan::program().map(drop)
 }
 
 /// With nextest one compilation serves also the tests with steps of their own; cargo can't leave those out.

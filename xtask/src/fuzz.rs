@@ -8,7 +8,7 @@ use std::process::Command;
 use std::sync::Mutex;
 
 /// Default duration of each target, in seconds.
-pub const USUAL: u32 = 15;
+const USUAL: u32 = 15;
 
 /// The folder of the targets. cargo-fuzz's default name `fuzz` would be mistaken for the fuzzer of devices.
 const FOLDER: &str = "fuzz-targets";
@@ -23,15 +23,25 @@ const MOST_AT_ONCE: &str = "-malloc_limit_mb=128";
 /// Number of targets at the same time: CI's machines have two processors.
 const AT_ONCE: usize = 2;
 
-/// The folders with real inputs for a target.
-fn seeds(target: &str) -> &'static [&'static str] {
-    match target {
-        "description" | "model" => &["analyzer/tests/eds", "conformance/device/models"],
-        "waivers" => &["fuzz-targets/seeds/waivers"],
-        "slcan" => &["fuzz-targets/seeds/slcan"],
-        "reproducer" => &["traces/samples", "fuzz-targets/seeds/reproducer"],
-        "wire" | "filter" | "motion" => &[],
-        _ => &["traces/samples"],
+/// The program of all targets, and the variable with the name of one.
+const PROGRAM: &str = "reader";
+const VARIABLE: &str = "CANVASS_FUZZ_TARGET";
+
+/// A target: its name, and the folders with real inputs.
+struct Target {
+    name: String,
+    seeds: Vec<String>,
+}
+
+/// `cargo xtask fuzz [--for SECONDS]`: runs every target.
+///
+/// # Errors
+/// If the words are others, or a target finds an input that breaks it.
+pub fn command(words: &[String]) -> Result<()> {
+    match words {
+        [] => fuzz(USUAL),
+        [option, seconds] if option == "--for" => fuzz(seconds.parse().context("--for takes whole seconds")?),
+        _ => bail!("expected --for SECONDS, found {}", words.join(" ")),
     }
 }
 
@@ -66,31 +76,39 @@ pub fn fuzz(seconds: u32) -> Result<()> {
     if failed.is_empty() { Ok(()) } else { bail!("{}", failed.join("\n")) }
 }
 
-/// The names of all targets, as cargo-fuzz lists them.
-fn targets() -> Result<Vec<String>> {
-    let output = Command::new("cargo").args(["+nightly", "fuzz", "list", "--fuzz-dir", FOLDER]).output();
+/// All targets, as the program lists them that gets none.
+fn targets() -> Result<Vec<Target>> {
+    let output = Command::new("cargo").args(["+nightly", "fuzz", "run", "--fuzz-dir", FOLDER, PROGRAM]).output();
     let output = output.context("can't run cargo fuzz")?;
-    let names: Vec<String> = String::from_utf8_lossy(&output.stdout).lines().map(str::to_owned).collect();
-    ensure!(!names.is_empty(), "cargo fuzz knows no targets");
-    Ok(names)
+    let targets: Vec<Target> = String::from_utf8_lossy(&output.stdout).lines().filter_map(target).collect();
+    ensure!(!targets.is_empty(), "{FOLDER} lists no targets: {}", String::from_utf8_lossy(&output.stderr));
+    Ok(targets)
 }
 
-fn run_target(target: &str, seconds: u32) -> Result<()> {
+/// The target of a line `NAME FOLDER…`; folders that do not exist are left out.
+fn target(line: &str) -> Option<Target> {
+    let mut words = line.split_whitespace().map(str::to_owned);
+    let name = words.next()?;
+    Some(Target { name, seeds: words.filter(|folder| Path::new(folder).is_dir()).collect() })
+}
+
+fn run_target(target: &Target, seconds: u32) -> Result<()> {
     // The fuzzer adds findings to the first folder, and only reads the others.
-    let found = format!("{FOLDER}/corpus/{target}");
+    let found = format!("{FOLDER}/corpus/{}", target.name);
     std::fs::create_dir_all(&found)?;
-    let folders = seeds(target).iter().filter(|folder| Path::new(folder).is_dir());
-    let seconds = if target == LONG { 2 * seconds } else { seconds };
+    let seconds = if target.name == LONG { 2 * seconds } else { seconds };
     let time = format!("-max_total_time={seconds}");
     let output = Command::new("cargo")
-        .args(["+nightly", "fuzz", "run", "--fuzz-dir", FOLDER, target, &found])
-        .args(folders)
+        .env(VARIABLE, &target.name)
+        .args(["+nightly", "fuzz", "run", "--fuzz-dir", FOLDER, PROGRAM, &found])
+        .args(&target.seeds)
         .args(["--", &time, MOST_AT_ONCE, "-rss_limit_mb=4096", "-print_final_stats=1"])
         .output()?;
     let log = String::from_utf8_lossy(&output.stderr);
     let last: Vec<&str> = log.lines().rev().take(if output.status.success() { 3 } else { 80 }).collect();
     let last: Vec<&str> = last.into_iter().rev().collect();
-    eprintln!("$ cargo +nightly fuzz run --fuzz-dir {FOLDER} {target} for {seconds} s\n{}", last.join("\n"));
-    ensure!(output.status.success(), "the fuzz target {target} found an input that breaks it, see above");
+    let again = format!("{VARIABLE}={} cargo +nightly fuzz run --fuzz-dir {FOLDER} {PROGRAM}", target.name);
+    eprintln!("$ {again} for {seconds} s\n{}", last.join("\n"));
+    ensure!(output.status.success(), "the fuzz target {} found an input that breaks it, see above", target.name);
     Ok(())
 }

@@ -63,7 +63,7 @@ use anyhow::{Result, bail};
 const USAGE: &str = "usage: cargo xtask [--install] COMMAND
     test | ci | nightly | docs
     peers | browser | fleet | vcan [WORDS...] | vcan-load
-    fuzz | attack [--for SPAN] [--seed N] | storm
+    fuzz [--for SECONDS] | attack [--for SPAN] [--seed N] | storm
     as-found [--all] [--seed N] [--model ID]
     mutants [--seed D] [--count N] [--tests analyzer|suite]
     flaky [--runs N] [--at-once N] [--model ID]... [--select CASES] [--bus vcan|INTERFACE]
@@ -94,8 +94,9 @@ fn main() -> Result<()> {
         Some("as-found") => as_found::as_found(more),
         Some("attack") => attack::attack(more),
         Some("flaky") => flaky::flaky(more),
+        Some("fleet") if more.first().is_some_and(|word| word == "--built") => fleet::step(),
         Some("fleet") => fleet::test(),
-        Some("fuzz") => fuzz::fuzz(fuzz::USUAL),
+        Some("fuzz") => fuzz::command(more),
         Some("memory") => memory::memory(),
         Some("incidents") => incidents::incidents(),
         Some("mutants") => mutants::mutants(more),

@@ -2,7 +2,7 @@
 
 use super::escaped::Escaped;
 use super::value::ValueText;
-use crate::dictionary::names::{ObjectName, bit_name, object_name, unit};
+use crate::dictionary::names::{ObjectName, bit_names, object_name, unit};
 use crate::dictionary::{Annotation, DataType, Entry, Object as DescribedObject, Unit};
 use crate::network::Node;
 use crate::{Multiplexer, NodeId};
@@ -59,14 +59,21 @@ impl<'a> Object<'a> {
         self.node.zip(self.id).and_then(|(node, id)| node.scale(id, self.multiplexer))
     }
 
-    /// The meaning of a bit that is set or clear, if it is worth showing.
-    pub fn bit(&self, bit: u8, set: bool) -> Option<&'a str> {
-        match self.annotation.and_then(|annotation| annotation.bit(bit)) {
-            Some(name) if set => Some(&name.name),
-            Some(name) => name.clear.as_deref(),
-            None if set => bit_name(self.multiplexer.index, bit, self.profile),
-            None => None,
-        }
+    /// The names of the set bits among the first `count`, and of clear bits whose clear state has a name.
+    pub fn bits(&self, raw: u64, count: u8) -> impl Iterator<Item = &'a str> {
+        let of_standard = bit_names(self.multiplexer.index, self.profile);
+        let annotation = self.annotation;
+        // Most values are numbers, whose bits have no names.
+        let count = if annotation.is_none() && of_standard.is_empty() { 0 } else { count };
+        (0..count).filter_map(move |bit| {
+            let set = raw >> bit & 1 != 0;
+            match annotation.and_then(|annotation| annotation.bit(bit)) {
+                Some(name) if set => Some(&*name.name),
+                Some(name) => name.clear.as_deref(),
+                None if set => of_standard.get(usize::from(bit)).copied(),
+                None => None,
+            }
+        })
     }
 
     /// A value of the object.

@@ -35,7 +35,7 @@ impl ValueText<'_> {
     fn bits(&self, raw: u64, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let bits = 8 * self.bytes.len().min(8) as u8;
         let mut first = true;
-        for name in (0..bits).filter_map(|bit| self.object.bit(bit, raw >> bit & 1 != 0)) {
+        for name in self.object.bits(raw, bits) {
             write!(f, "{}{}", if first { " (" } else { ", " }, Escaped(name))?;
             first = false;
         }

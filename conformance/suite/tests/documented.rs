@@ -58,63 +58,26 @@ fn check(id: &str, executed_at_least: usize) {
     assert!(idle.is_empty(), "{id}: explained, but not found: {idle:?}");
 }
 
-#[test]
-fn lika_ax58() {
-    check("lika-ax58", 50);
+/// How many cases a model executes at least.
+fn executed_at_least(id: &str) -> usize {
+    match id {
+        "kuebler-sendix-58x8" | "kuebler-sendix-f58" => 140,
+        "kuebler-sendix-m58" | "kuebler-sendix-f58m" | "reference-406" => 120,
+        "reference-301" => 90,
+        "kuebler-c100" | "kuebler-d125" => 70,
+        _ => 50,
+    }
 }
 
-#[test]
-fn tr_c65() {
-    check("tr-c65", 50);
+macro_rules! documented {
+    ($($name:ident = $id:literal,)*) => {
+        $(
+            #[test]
+            fn $name() {
+                check($id, executed_at_least($id));
+            }
+        )*
+    };
 }
 
-#[test]
-fn tr_lmp30() {
-    check("tr-lmp30", 50);
-}
-
-#[test]
-fn kuebler_sendix_58x8() {
-    check("kuebler-sendix-58x8", 140);
-}
-
-#[test]
-fn kuebler_sendix_f58() {
-    check("kuebler-sendix-f58", 140);
-}
-
-#[test]
-fn kuebler_sendix_m58() {
-    check("kuebler-sendix-m58", 120);
-}
-
-#[test]
-fn kuebler_sendix_f58m() {
-    check("kuebler-sendix-f58m", 120);
-}
-
-#[test]
-fn kuebler_c100() {
-    check("kuebler-c100", 70);
-}
-
-#[test]
-fn kuebler_d125() {
-    check("kuebler-d125", 70);
-}
-
-#[test]
-fn reference_301() {
-    check("reference-301", 90);
-}
-
-#[test]
-fn reference_406() {
-    check("reference-406", 120);
-}
-
-/// The list contains every built-in model.
-#[test]
-fn no_model_is_left_out() {
-    assert_eq!(Model::all().len(), 11);
-}
+canvass_device::each_model!(documented);

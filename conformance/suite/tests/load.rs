@@ -128,16 +128,4 @@ fn among_other_devices() {
     check("reference-301", 60, &[("kuebler-sendix-58x8", 71), ("lika-ax58", 72)], &QUIET, 80);
 }
 
-busy! {
-    kuebler_sendix_58x8 = "kuebler-sendix-58x8",
-    kuebler_sendix_f58 = "kuebler-sendix-f58",
-    kuebler_sendix_m58 = "kuebler-sendix-m58",
-    kuebler_sendix_f58m = "kuebler-sendix-f58m",
-    kuebler_c100 = "kuebler-c100",
-    kuebler_d125 = "kuebler-d125",
-    lika_ax58 = "lika-ax58",
-    tr_c65 = "tr-c65",
-    tr_lmp30 = "tr-lmp30",
-    reference_301 = "reference-301",
-    reference_406 = "reference-406",
-}
+canvass_device::each_model!(busy);

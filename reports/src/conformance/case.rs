@@ -1,5 +1,6 @@
 //! The report of one case. On a terminal only the most important facts are shown, on less than a screen.
 
+use super::defects::Defect;
 use super::told::Told;
 use super::{cct_forecast, decisive, delays, hex, quarantined, recorded, repetitions, symbol, timeline, tone, uses};
 use crate::document::{Block, Cell, Column, Depth, Fact, Finding, Row, Table, Tone, fact};
@@ -33,10 +34,28 @@ fn badge(report: &CaseReport) -> String {
     format!("{} {kind}", symbol(kind))
 }
 
-/// A row for the list of failed cases.
-pub fn line(report: &CaseReport) -> Row {
+/// The rows of a defect for the list of failed cases.
+pub fn rows_of(defect: &Defect<'_>, depth: Depth) -> Vec<Row> {
+    let mut first = row(defect.first, &why(defect.first));
+    if defect.others.is_empty() {
+        return vec![first];
+    }
+    if depth == Depth::Screen {
+        let others: Vec<&str> = defect.others.iter().map(|report| report.case.id).collect();
+        first.lines.push(format!("    the same: {}", others.join(", ")));
+        return vec![first];
+    }
+    let same = format!("the same as {}", defect.first.case.id);
+    let others = defect.others.iter().map(|report| row(report, &same));
+    [first].into_iter().chain(others).collect()
+}
+
+fn why(report: &CaseReport) -> String {
     let reason = report.verdict.reason().map(|reason| reason.to_string()).unwrap_or_default();
-    let why = quarantined(report).map(|told| format!("{told}; ")).unwrap_or_default() + &reason;
+    quarantined(report).map(|told| format!("{told}; ")).unwrap_or_default() + &reason
+}
+
+fn row(report: &CaseReport, why: &str) -> Row {
     let kind = report.verdict.kind();
     let case = Cell { link: format!("#{}", anchor(report)), ..report.case.id.into() };
     Row {

@@ -1,6 +1,7 @@
 //! The result as JSON: [`TestResult`].
 
 use super::Run;
+use super::defects::{Defect, defects};
 use super::told::{Named, Told};
 use crate::provenance;
 use crate::results::test::{
@@ -47,9 +48,18 @@ pub fn result(run: &Run) -> TestResult {
         dictionary: run.info.dictionary.iter().map(object).collect(),
         comparison: run.comparison.as_ref().map(compared),
         summary: Kind::ALL.into_iter().map(|kind| (kind.name().into(), run.summary.count(kind))).collect(),
+        defects: defects(run).iter().filter(|defect| defect.is_failure()).map(defect).collect(),
         host: run.summary.host.as_ref().map(host),
         other_clients: run.other_clients.iter().map(other_client).collect(),
         cases: run.cases.iter().map(|report| case(report, &run.info.bus)).collect(),
+    }
+}
+
+fn defect(defect: &Defect<'_>) -> results::test::Defect {
+    let cases = [defect.first].into_iter().chain(defect.others.iter().copied());
+    results::test::Defect {
+        reason: defect.first.verdict.reason().map(reason),
+        cases: cases.map(|report| report.case.id.into()).collect(),
     }
 }
 

@@ -1,6 +1,7 @@
 //! The report of a conformance run, made from its events: see [`RunReport`].
 
 mod case;
+mod defects;
 mod delays;
 pub mod dictionary;
 mod host;
@@ -245,14 +246,21 @@ fn decisive(report: &CaseReport, most: usize) -> (Vec<&Exhibit>, u64) {
     (frames.get(begin..end).unwrap_or_default().to_vec(), begin as u64 + omitted)
 }
 
-/// The outcome in one line.
-fn outcome(summary: &Summary) -> String {
+/// The outcome in one line. `defects` is the number of defects that the failed cases show.
+fn outcome(summary: &Summary, defects: usize) -> String {
     let counted = |kind: Kind, verb: &str| {
         let count = summary.count(kind);
         (count > 0).then(|| format!("{count} {verb}"))
     };
+    let failed = match (summary.count(Kind::Fail), defects) {
+        (0, _) => None,
+        (1, _) => counted(Kind::Fail, "failed"),
+        (count, 1) => Some(format!("{count} failed, all for the same defect")),
+        (count, defects) if defects < count => Some(format!("{count} failed for {defects} defects")),
+        _ => counted(Kind::Fail, "failed"),
+    };
     let bad = [
-        counted(Kind::Fail, "failed"),
+        failed,
         counted(Kind::Error, "could not be run"),
         counted(Kind::Inconclusive, "could not be judged"),
     ];

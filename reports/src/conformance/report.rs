@@ -1,6 +1,7 @@
 //! A conformance run as a report.
 
-use super::case::{finding, line};
+use super::case::{finding, rows_of};
+use super::defects::defects;
 use super::dictionary::{REPAIR, left, lines, rows, sentence};
 use super::skipped::Skipped;
 use super::{Run, host, is_bad, name_in_family, outcome, suites, symbol, tone};
@@ -22,12 +23,13 @@ const SCRIPTS: [&str; 1] = [include_str!("../../assets/conformance.js")];
 impl Report for Run {
     fn document(&self, depth: Depth) -> Document {
         let name = self.info.device.names[0].as_deref().unwrap_or("CANopen device");
+        let failures = defects(self).iter().filter(|defect| defect.is_failure()).count();
         let is_good = self.summary.is_good() && self.comparison.as_ref().is_none_or(Comparison::is_as_found);
         Document {
             command: "test",
             kind: "CANopen conformance",
             title: format!("{name}: conformance of node {}", self.info.node),
-            outcome: format!("{}, in {} on the bus", outcome(&self.summary), self.summary.duration),
+            outcome: format!("{}, in {} on the bus", outcome(&self.summary, failures), self.summary.duration),
             tone: if is_good { Tone::Good } else { Tone::Bad },
             facts: if depth == Depth::Screen { Vec::new() } else { facts(self) },
             summary: summary(self, depth),
@@ -70,7 +72,7 @@ fn summary(run: &Run, depth: Depth) -> Vec<Block> {
     }
     blocks.extend(run.notices.iter().cloned().map(Block::Note));
     if depth == Depth::Screen && bad(run).next().is_some() {
-        blocks.extend([Block::Text(String::new()), failed(run)]);
+        blocks.extend([Block::Text(String::new()), failed(run, depth)]);
     }
     blocks
 }
@@ -83,7 +85,7 @@ fn sections(run: &Run, depth: Depth) -> Vec<Section> {
     }
     let mut sections = vec![verdicts];
     if bad(run).next().is_some() {
-        sections.push(section("failed", "Failed", vec![failed(run)]));
+        sections.push(section("failed", "Failed", vec![failed(run, depth)]));
     }
     if depth == Depth::Page {
         sections.push(section("matrix", "Matrix", vec![matrix(run)]));
@@ -134,9 +136,11 @@ fn bad(run: &Run) -> impl Iterator<Item = &CaseReport> {
     run.cases.iter().filter(|report| is_bad(report.verdict.kind()))
 }
 
-/// A table of the bad cases with their reasons, each linked to its details.
-fn failed(run: &Run) -> Block {
-    Block::Table(Table::of(["verdict", "case", "why"], bad(run).map(line)))
+/// A table of the bad cases with their reasons, each linked to its details. The cases of a defect follow each other; a
+/// terminal has one line for them and one with their names.
+fn failed(run: &Run, depth: Depth) -> Block {
+    let rows = defects(run).into_iter().flat_map(|defect| rows_of(&defect, depth));
+    Block::Table(Table::of(["verdict", "case", "why"], rows))
 }
 
 fn matrix(run: &Run) -> Block {

@@ -45,6 +45,9 @@ pub struct TestResult {
     /// The number of cases by verdict.
     #[serde(default)]
     pub summary: BTreeMap<Word, usize>,
+    /// What is wrong with the device: failed cases in which it did the same in the same situation show one defect.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub defects: Vec<Defect>,
     /// Only of a live bus, so that runs on the simulated one stay the same to the byte.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub host: Option<HostTiming>,
@@ -53,6 +56,15 @@ pub struct TestResult {
     pub other_clients: Vec<OtherClient>,
     /// In the order in which they ran.
     pub cases: Vec<Case>,
+}
+
+/// A defect of the device.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Defect {
+    /// What came in the first case.
+    pub reason: Option<Reason>,
+    /// The cases that failed, in the order in which they ran.
+    pub cases: Vec<Word>,
 }
 
 /// How well the tester's own machine kept up: each time is at most twice what was measured.

@@ -7,7 +7,6 @@ pub(crate) mod blf;
 pub(crate) mod candump_console;
 pub(crate) mod candump_log;
 mod candump_usual;
-mod limits;
 pub(crate) mod mcap;
 pub(crate) mod minimon;
 pub(crate) mod pasted;
@@ -20,48 +19,165 @@ mod trc_numbers;
 mod trc_row;
 mod trc_writer;
 
-use crate::{Format, ReadOptions, Reader, Source, WriteError, WriteOptions, Writer};
+use crate::{Format, Loss, ReadOptions, Reader, Source, WriteError, WriteOptions, Writer};
 use std::io::Write;
 
-/// A format: its detection, reader and writer.
+/// A format: its properties, detection, reader and writer.
 pub(crate) struct FormatEntry {
     format: Format,
+    /// Its name on the command line.
+    id: &'static str,
+    summary: &'static str,
+    /// The usual file name endings, the first one for writing.
+    extensions: &'static [&'static str],
     /// Whether a source that begins with these bytes has the format. Gets at most [`Format::SNIFF`] bytes.
     sniff: fn(&[u8]) -> bool,
     open: fn(Source, &ReadOptions) -> Box<dyn Reader>,
-    create: Option<Create>,
+    /// The writer; none for a format that is only read.
+    writing: Option<Writing>,
+}
+
+/// How a format is written.
+struct Writing {
+    create: Create,
+    /// The properties of records that the format can't hold.
+    losses: &'static [Loss],
 }
 
 type Create = fn(Box<dyn Write>, &WriteOptions) -> Result<Box<dyn Writer>, WriteError>;
 
 /// The formats in the order of detection: those with a magic number first, free text last.
 const FORMATS: &[FormatEntry] = &[
-    FormatEntry { format: Format::Pcapng, sniff: pcapng::sniff, open: pcapng::open, create: Some(pcapng::create) },
-    FormatEntry { format: Format::Pcap, sniff: pcap::sniff, open: pcap::open, create: Some(pcap::create) },
-    FormatEntry { format: Format::Mcap, sniff: mcap::sniff, open: mcap::open, create: Some(mcap::create) },
-    FormatEntry { format: Format::Blf, sniff: blf::sniff, open: blf::open, create: None },
-    FormatEntry { format: Format::Trc, sniff: trc::sniff, open: trc::open, create: Some(trc::create) },
+    FormatEntry {
+        format: Format::Pcapng,
+        id: "pcapng",
+        summary: "pcapng (Wireshark), link types SocketCAN, Linux SLL and SLL2",
+        extensions: &["pcapng", "ntar"],
+        sniff: pcapng::sniff,
+        open: pcapng::open,
+        writing: Some(Writing {
+            create: pcapng::create,
+            losses: &[Loss::UnknownDate, Loss::TimeZone],
+        }),
+    },
+    FormatEntry {
+        format: Format::Pcap,
+        id: "pcap",
+        summary: "pcap (tcpdump), link types SocketCAN, Linux SLL and SLL2",
+        extensions: &["pcap", "cap"],
+        sniff: pcap::sniff,
+        open: pcap::open,
+        writing: Some(Writing {
+            create: pcap::create,
+            losses: &[Loss::ChannelName, Loss::Direction, Loss::Date, Loss::UnknownDate, Loss::TimeZone, Loss::Comment],
+        }),
+    },
+    FormatEntry {
+        format: Format::Mcap,
+        id: "mcap",
+        summary: "MCAP (ROS 1, ROS 2, Foxglove) with CAN messages",
+        extensions: &["mcap"],
+        sniff: mcap::sniff,
+        open: mcap::open,
+        writing: Some(Writing {
+            create: mcap::create,
+            losses: &[Loss::Frame, Loss::Direction, Loss::UnknownDate, Loss::TimeZone, Loss::FdFlags, Loss::RawDlc],
+        }),
+    },
+    FormatEntry {
+        format: Format::Blf,
+        id: "blf",
+        summary: "Vector BLF",
+        extensions: &["blf"],
+        sniff: blf::sniff,
+        open: blf::open,
+        writing: None,
+    },
+    FormatEntry {
+        format: Format::Trc,
+        id: "trc",
+        summary: "PEAK TRC 1.0 to 2.1",
+        extensions: &["trc"],
+        sniff: trc::sniff,
+        open: trc::open,
+        writing: Some(Writing {
+            create: trc::create,
+            losses: OF_TEXT_OF_WINDOWS,
+        }),
+    },
     FormatEntry {
         format: Format::PythonCanCsv,
+        id: "csv",
+        summary: "python-can CSV",
+        extensions: &["csv"],
         sniff: python_can_csv::sniff,
         open: python_can_csv::open,
-        create: Some(python_can_csv::create),
+        writing: Some(Writing {
+            create: python_can_csv::create,
+            losses: &[Loss::Frame, Loss::ChannelName, Loss::Direction, Loss::TimeZone, Loss::FdFlags, Loss::RawDlc, Loss::Comment],
+        }),
     },
-    FormatEntry { format: Format::MiniMon, sniff: minimon::sniff, open: minimon::open, create: None },
-    FormatEntry { format: Format::Asc, sniff: asc::sniff, open: asc::open, create: Some(asc::create) },
+    FormatEntry {
+        format: Format::MiniMon,
+        id: "minimon",
+        summary: "IXXAT MiniMon CSV",
+        extensions: &["csv"],
+        sniff: minimon::sniff,
+        open: minimon::open,
+        writing: None,
+    },
+    FormatEntry {
+        format: Format::Asc,
+        id: "asc",
+        summary: "Vector ASC",
+        extensions: &["asc"],
+        sniff: asc::sniff,
+        open: asc::open,
+        writing: Some(Writing {
+            create: asc::create,
+            losses: OF_TEXT_OF_WINDOWS,
+        }),
+    },
     FormatEntry {
         format: Format::Candump,
+        id: "candump",
+        summary: "candump log (candump -l, -L, -f)",
+        extensions: &["log"],
         sniff: candump_log::sniff,
         open: candump_log::open,
-        create: Some(candump_log::create),
+        writing: Some(Writing {
+            create: candump_log::create,
+            losses: &[Loss::ChannelName, Loss::TimeZone],
+        }),
     },
     FormatEntry {
         format: Format::CandumpConsole,
+        id: "candump-console",
+        summary: "candump console output",
+        extensions: &["txt"],
         sniff: candump_console::sniff,
         open: candump_console::open,
-        create: None,
+        writing: None,
     },
-    FormatEntry { format: Format::Pasted, sniff: pasted::sniff, open: pasted::open, create: None },
+    FormatEntry {
+        format: Format::Pasted,
+        id: "pasted",
+        summary: "pasted lines of frames, and tables of other tools",
+        extensions: &["txt", "csv"],
+        sniff: pasted::sniff,
+        open: pasted::open,
+        writing: None,
+    },
+];
+
+/// The losses of the text formats of tools on Windows: Vector ASC and PEAK TRC.
+const OF_TEXT_OF_WINDOWS: &[Loss] = &[
+    Loss::Frame,
+    Loss::ChannelName,
+    Loss::Direction,
+    Loss::TimeResolution,
+    Loss::TimeZone,
+    Loss::ErrorDetail,
 ];
 
 impl Format {
@@ -81,7 +197,7 @@ impl Format {
     /// The format that files with this extension (without the dot) usually have.
     pub fn by_extension(extension: &str) -> Option<Self> {
         let writes = |row: &&FormatEntry| {
-            row.create.is_some() && row.format.extensions().iter().any(|e| e.eq_ignore_ascii_case(extension))
+            row.writing.is_some() && row.extensions.iter().any(|e| e.eq_ignore_ascii_case(extension))
         };
         FORMATS.iter().find(writes).map(|row| row.format)
     }
@@ -97,15 +213,38 @@ impl Format {
         known.find(|row| (row.sniff)(head)).map(|row| row.format)
     }
 
+    /// The name on the command line.
+    pub fn id(self) -> &'static str {
+        self.row().id
+    }
+
+    /// The format in a few words.
+    pub fn summary(self) -> &'static str {
+        self.row().summary
+    }
+
+    /// The usual file name endings.
+    pub fn extensions(self) -> &'static [&'static str] {
+        self.row().extensions
+    }
+
+    /// The properties of records that this format can't hold; empty for a read-only format.
+    ///
+    /// [`Loss::TimeZone`] concerns only captures whose time base is not that of the format: captures in local time for
+    /// a format in UTC, and vice versa.
+    pub fn losses(self) -> &'static [Loss] {
+        self.row().writing.as_ref().map_or(&[], |writing| writing.losses)
+    }
+
     fn row(self) -> &'static FormatEntry {
         let row = FORMATS.iter().find(|row| row.format == self);
-        debug_assert!(row.is_some(), "{self} has no row in FORMATS");
+        debug_assert!(row.is_some(), "{self:?} has no row in FORMATS");
         row.unwrap_or(&FORMATS[0])
     }
 
     /// Whether canvass writes this format.
     pub fn is_written(self) -> bool {
-        self.row().create.is_some()
+        self.row().writing.is_some()
     }
 
     /// Opens a reader for a source of this format.
@@ -118,8 +257,8 @@ impl Format {
     /// # Errors
     /// [`WriteError::NotWritten`] if the format can only be read, or the error of the sink.
     pub fn create(self, sink: Box<dyn Write>, options: &WriteOptions) -> Result<Box<dyn Writer>, WriteError> {
-        let create = self.row().create.ok_or(WriteError::NotWritten(self))?;
-        create(sink, options)
+        let writing = self.row().writing.as_ref().ok_or(WriteError::NotWritten(self))?;
+        (writing.create)(sink, options)
     }
 }
 
@@ -127,24 +266,13 @@ impl Format {
 mod tests {
     use super::*;
 
+    /// The variants are numbered up to the last one: one without a row leaves a gap.
     #[test]
-    fn every_format_has_its_row() {
-        let variants = [
-            Format::Candump,
-            Format::CandumpConsole,
-            Format::Pcap,
-            Format::Pcapng,
-            Format::Mcap,
-            Format::Asc,
-            Format::Trc,
-            Format::MiniMon,
-            Format::Blf,
-            Format::PythonCanCsv,
-            Format::Pasted,
-        ];
-        assert_eq!(variants.len(), FORMATS.len());
-        for format in variants {
-            assert_eq!(format.row().format, format);
+    fn every_format_has_one_row() {
+        let mut numbers: Vec<usize> = FORMATS.iter().map(|row| row.format as usize).collect();
+        numbers.sort_unstable();
+        assert!(numbers.into_iter().eq(0..=Format::Pasted as usize));
+        for format in Format::all() {
             assert_eq!(Format::by_id(format.id()), Some(format));
         }
     }

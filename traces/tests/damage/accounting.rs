@@ -1,6 +1,6 @@
 //! Captures with one damaged byte: each frame that is lost is reported.
 
-use crate::corpus::{Sample, Xorshift, read, samples};
+use crate::corpus::{Sample, Xorshift, each, read, samples};
 use canvass_traces::{Damage, DamageKind, Format};
 
 /// Number of random values that replace each byte, in addition to values that make comments and line ends.
@@ -60,48 +60,8 @@ fn account(sample: &Sample) -> Vec<String> {
     silent
 }
 
-fn account_all(formats: &[Format]) {
-    let silent: Vec<String> =
-        samples(|sample| !sample.compressed && formats.contains(&sample.format)).iter().flat_map(account).collect();
+#[test]
+fn each_lost_frame_is_told_in_every_format() {
+    let silent = each(&samples(|sample| !sample.compressed), account);
     assert!(silent.is_empty(), "{} losses are not told:\n{}", silent.len(), silent.join("\n"));
-}
-
-#[test]
-fn candump() {
-    account_all(&[Format::Candump, Format::CandumpConsole]);
-}
-
-#[test]
-fn asc_and_trc() {
-    account_all(&[Format::Asc, Format::Trc]);
-}
-
-#[test]
-fn tables() {
-    account_all(&[Format::PythonCanCsv, Format::MiniMon]);
-}
-
-#[test]
-fn pasted() {
-    account_all(&[Format::Pasted]);
-}
-
-#[test]
-fn pcap() {
-    account_all(&[Format::Pcap]);
-}
-
-#[test]
-fn pcapng() {
-    account_all(&[Format::Pcapng]);
-}
-
-#[test]
-fn mcap() {
-    account_all(&[Format::Mcap]);
-}
-
-#[test]
-fn blf() {
-    account_all(&[Format::Blf]);
 }

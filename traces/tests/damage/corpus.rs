@@ -4,6 +4,7 @@
 use canvass_traces::{Capture, Damage, Format, ReadOptions, Record, Source};
 use std::io::Write;
 use std::path::Path;
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 /// A capture before it is damaged.
 pub struct Sample {
@@ -143,6 +144,20 @@ pub fn read(bytes: &[u8]) -> Option<(Vec<Record>, Vec<Damage>)> {
     }
     assert!(capture.next().is_none(), "the end is the end");
     Some((frames, damages))
+}
+
+/// Does the work for each sample on all processors, and joins the results.
+pub fn each<T: Send>(samples: &[Sample], work: impl Fn(&Sample) -> Vec<T> + Sync) -> Vec<T> {
+    let next = AtomicUsize::new(0);
+    let worker = || {
+        let taken = std::iter::from_fn(|| samples.get(next.fetch_add(1, Ordering::Relaxed)));
+        taken.flat_map(&work).collect::<Vec<T>>()
+    };
+    let processors = std::thread::available_parallelism().map_or(1, usize::from);
+    std::thread::scope(|scope| {
+        let workers: Vec<_> = (0..processors).map(|_| scope.spawn(worker)).collect();
+        workers.into_iter().flat_map(|worker| worker.join().unwrap()).collect()
+    })
 }
 
 /// Checks that no format lacks a sample.

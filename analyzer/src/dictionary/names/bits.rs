@@ -15,14 +15,18 @@ const ERROR_REGISTER: &[&str] = &[
     "manufacturer specific",
 ];
 
+/// The names of an object's bits, from bit 0 on, as the standard defines them; empty for most objects.
+pub(crate) fn bit_names(index: Index, profile: Option<u16>) -> &'static [&'static str] {
+    match (index.0, profile) {
+        (0x1001, _) => ERROR_REGISTER,
+        (0x6000..=0x67FF, Some(number)) => known_profile(number).map_or(&[], |profile| profile.bits(index)),
+        _ => &[],
+    }
+}
+
 /// The name of an object's bit, if the standard defines it; manufacturer-specific bits have none.
 pub fn bit_name(index: Index, bit: u8, profile: Option<u16>) -> Option<&'static str> {
-    let names = match (index.0, profile) {
-        (0x1001, _) => ERROR_REGISTER,
-        (0x6000..=0x67FF, Some(number)) => known_profile(number)?.bits(index),
-        _ => return None,
-    };
-    names.get(usize::from(bit)).copied()
+    bit_names(index, profile).get(usize::from(bit)).copied()
 }
 
 #[cfg(test)]

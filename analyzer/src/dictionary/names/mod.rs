@@ -11,6 +11,7 @@ mod profile;
 mod units;
 
 pub use bits::bit_name;
+pub(crate) use bits::bit_names;
 pub use profile::{
     Configured, Profile, Registered, Role, acting, has_role, is_profile, known_profile, possible, profiles, with_role,
 };

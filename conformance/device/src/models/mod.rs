@@ -30,9 +30,29 @@ use canvass_analyzer::{Multiplexer, NodeId};
 use deviations::DeviationTables;
 use std::sync::{Arc, LazyLock};
 
-/// The files of each model, EDS and sheet, by the model's id.
+/// Hands the names and ids of the built-in models to a macro: `each_model!(row)` is `row! { name = "id", … }`. A model is a
+/// line here, and its EDS and sheet in `models`; tests have one function for each line.
+#[macro_export]
+macro_rules! each_model {
+    ($row:ident) => {
+        $row! {
+            kuebler_sendix_58x8 = "kuebler-sendix-58x8",
+            kuebler_sendix_f58 = "kuebler-sendix-f58",
+            kuebler_sendix_m58 = "kuebler-sendix-m58",
+            kuebler_sendix_f58m = "kuebler-sendix-f58m",
+            kuebler_c100 = "kuebler-c100",
+            kuebler_d125 = "kuebler-d125",
+            lika_ax58 = "lika-ax58",
+            tr_c65 = "tr-c65",
+            tr_lmp30 = "tr-lmp30",
+            reference_301 = "reference-301",
+            reference_406 = "reference-406",
+        }
+    };
+}
+
 macro_rules! files {
-    ($($id:literal,)*) => {
+    ($($name:ident = $id:literal,)*) => {
         /// The ids of the models, in the order of the files.
         const IDS: &[&str] = &[$($id),*];
         /// The EDS and the sheet of each built-in model.
@@ -40,19 +60,7 @@ macro_rules! files {
     };
 }
 
-files! {
-    "kuebler-sendix-58x8",
-    "kuebler-sendix-f58",
-    "kuebler-sendix-m58",
-    "kuebler-sendix-f58m",
-    "kuebler-c100",
-    "kuebler-d125",
-    "lika-ax58",
-    "tr-c65",
-    "tr-lmp30",
-    "reference-301",
-    "reference-406",
-}
+each_model!(files);
 
 static MODELS: LazyLock<Result<Vec<Model>, UnreadableModel>> = LazyLock::new(|| {
     let read = |(id, (eds, sheet)): (&&'static str, &(&str, &str))| {

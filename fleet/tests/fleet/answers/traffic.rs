@@ -273,6 +273,7 @@ pub fn write(folder: &Path, format: Format, seed: u64) -> PathBuf {
         Format::Pasted => console(&records).lines().map(|line| format!(">{line}\n")).collect::<String>().into_bytes(),
         Format::MiniMon => minimon(&records).into_bytes(),
         Format::Blf => blf(&records),
+        _ if !format.is_written() => sample(format),
         _ => written(format, &records, seed),
     };
     let ending = format.extensions()[0];
@@ -389,6 +390,15 @@ fn blf(records: &[Record]) -> Vec<u8> {
     file.resize(144, 0);
     file.extend(objects);
     file
+}
+
+/// A sample of a format that nothing here writes.
+fn sample(format: Format) -> Vec<u8> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("../traces/samples");
+    let mut files: Vec<PathBuf> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    files.sort();
+    let mut samples = files.iter().map(|path| std::fs::read(path).unwrap());
+    samples.find(|bytes| Format::sniff(bytes) == Some(format)).unwrap()
 }
 
 fn gzip(content: &[u8]) -> Vec<u8> {
