@@ -111,7 +111,10 @@ fn cases_that_fail_for_the_same_defect_are_told_together() {
     let named: Vec<&Value> = report["defects"].as_array().unwrap().iter().map(|defect| &defect["cases"]).collect();
     assert_eq!(named, [&serde_json::json!(cases), &serde_json::json!(["301/identity/vendor-id"])]);
     let first = &report["defects"][0]["reason"];
-    assert_eq!(first, &report["cases"].as_array().unwrap().iter().find(|case| case["id"] == cases[0]).unwrap()["reason"]);
+    assert_eq!(
+        first,
+        &report["cases"].as_array().unwrap().iter().find(|case| case["id"] == cases[0]).unwrap()["reason"]
+    );
 }
 
 #[test]

@@ -36,7 +36,7 @@ fn badge(report: &CaseReport) -> String {
 
 /// The rows of a defect for the list of failed cases.
 pub fn rows_of(defect: &Defect<'_>, depth: Depth) -> Vec<Row> {
-    let mut first = row(defect.first, &why(defect.first));
+    let mut first = row_of(defect.first, &why(defect.first));
     if defect.others.is_empty() {
         return vec![first];
     }
@@ -46,7 +46,7 @@ pub fn rows_of(defect: &Defect<'_>, depth: Depth) -> Vec<Row> {
         return vec![first];
     }
     let same = format!("the same as {}", defect.first.case.id);
-    let others = defect.others.iter().map(|report| row(report, &same));
+    let others = defect.others.iter().map(|report| row_of(report, &same));
     [first].into_iter().chain(others).collect()
 }
 
@@ -55,7 +55,7 @@ fn why(report: &CaseReport) -> String {
     quarantined(report).map(|told| format!("{told}; ")).unwrap_or_default() + &reason
 }
 
-fn row(report: &CaseReport, why: &str) -> Row {
+fn row_of(report: &CaseReport, why: &str) -> Row {
     let kind = report.verdict.kind();
     let case = Cell { link: format!("#{}", anchor(report)), ..report.case.id.into() };
     Row {

@@ -259,11 +259,7 @@ fn outcome(summary: &Summary, defects: usize) -> String {
         (count, defects) if defects < count => Some(format!("{count} failed for {defects} defects")),
         _ => counted(Kind::Fail, "failed"),
     };
-    let bad = [
-        failed,
-        counted(Kind::Error, "could not be run"),
-        counted(Kind::Inconclusive, "could not be judged"),
-    ];
+    let bad = [failed, counted(Kind::Error, "could not be run"), counted(Kind::Inconclusive, "could not be judged")];
     let bad: Vec<String> = bad.into_iter().flatten().collect();
     let good = if bad.is_empty() { "none failed".to_owned() } else { bad.join(", ") };
     let cancelled = if summary.cancelled { " (cancelled before the end)" } else { "" };

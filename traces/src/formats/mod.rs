@@ -55,10 +55,7 @@ const FORMATS: &[FormatEntry] = &[
         extensions: &["pcapng", "ntar"],
         sniff: pcapng::sniff,
         open: pcapng::open,
-        writing: Some(Writing {
-            create: pcapng::create,
-            losses: &[Loss::UnknownDate, Loss::TimeZone],
-        }),
+        writing: Some(Writing { create: pcapng::create, losses: &[Loss::UnknownDate, Loss::TimeZone] }),
     },
     FormatEntry {
         format: Format::Pcap,
@@ -100,10 +97,7 @@ const FORMATS: &[FormatEntry] = &[
         extensions: &["trc"],
         sniff: trc::sniff,
         open: trc::open,
-        writing: Some(Writing {
-            create: trc::create,
-            losses: OF_TEXT_OF_WINDOWS,
-        }),
+        writing: Some(Writing { create: trc::create, losses: OF_TEXT_OF_WINDOWS }),
     },
     FormatEntry {
         format: Format::PythonCanCsv,
@@ -114,7 +108,15 @@ const FORMATS: &[FormatEntry] = &[
         open: python_can_csv::open,
         writing: Some(Writing {
             create: python_can_csv::create,
-            losses: &[Loss::Frame, Loss::ChannelName, Loss::Direction, Loss::TimeZone, Loss::FdFlags, Loss::RawDlc, Loss::Comment],
+            losses: &[
+                Loss::Frame,
+                Loss::ChannelName,
+                Loss::Direction,
+                Loss::TimeZone,
+                Loss::FdFlags,
+                Loss::RawDlc,
+                Loss::Comment,
+            ],
         }),
     },
     FormatEntry {
@@ -133,10 +135,7 @@ const FORMATS: &[FormatEntry] = &[
         extensions: &["asc"],
         sniff: asc::sniff,
         open: asc::open,
-        writing: Some(Writing {
-            create: asc::create,
-            losses: OF_TEXT_OF_WINDOWS,
-        }),
+        writing: Some(Writing { create: asc::create, losses: OF_TEXT_OF_WINDOWS }),
     },
     FormatEntry {
         format: Format::Candump,
@@ -145,10 +144,7 @@ const FORMATS: &[FormatEntry] = &[
         extensions: &["log"],
         sniff: candump_log::sniff,
         open: candump_log::open,
-        writing: Some(Writing {
-            create: candump_log::create,
-            losses: &[Loss::ChannelName, Loss::TimeZone],
-        }),
+        writing: Some(Writing { create: candump_log::create, losses: &[Loss::ChannelName, Loss::TimeZone] }),
     },
     FormatEntry {
         format: Format::CandumpConsole,
@@ -171,14 +167,8 @@ const FORMATS: &[FormatEntry] = &[
 ];
 
 /// The losses of the text formats of tools on Windows: Vector ASC and PEAK TRC.
-const OF_TEXT_OF_WINDOWS: &[Loss] = &[
-    Loss::Frame,
-    Loss::ChannelName,
-    Loss::Direction,
-    Loss::TimeResolution,
-    Loss::TimeZone,
-    Loss::ErrorDetail,
-];
+const OF_TEXT_OF_WINDOWS: &[Loss] =
+    &[Loss::Frame, Loss::ChannelName, Loss::Direction, Loss::TimeResolution, Loss::TimeZone, Loss::ErrorDetail];
 
 impl Format {
     /// Number of bytes that the detection examines.
