@@ -144,7 +144,7 @@ fn recognise(name: &str, source: &mut Source, options: &ReadOptions) -> Result<F
     }
 }
 
-/// Reads the lines that decide what the columns mean, and fails if they fit two readings.
+/// Reads the lines that decide what the columns mean, and fails if the lines fit two readings.
 fn ask(name: &str, source: &mut Source, options: &ReadOptions) -> Result<(), OpenError> {
     let failed = |source| OpenError::Source { name: name.to_owned(), source };
     while source.window().len() < Format::SNIFF && source.fill().map_err(failed)? {}

@@ -41,7 +41,7 @@ struct ErrorFlood {
     /// least number of error frames
     #[threshold(count = 10, min = 2)]
     frames: u64,
-    /// longest pause between two of them
+    /// longest pause between two successive error frames
     #[threshold(ms = 500)]
     pause: Duration,
     flood: Option<Flood>,
@@ -57,7 +57,8 @@ struct Flood {
 }
 
 impl Flood {
-    /// Whether the errors are a considerable part of the traffic: a few in many good frames disturb nobody.
+    /// Whether the errors are a considerable part of the traffic: a few error frames among many good frames disturb
+    /// nobody.
     fn disturbs(&self) -> bool {
         const SHARE: u64 = 4;
         let [first, last] = self.frames;

@@ -66,7 +66,7 @@ pub struct News {
     pub begins_anew: bool,
     /// Whether the frame is a TPDO of which any parameter is known.
     pub is_known_tpdo: bool,
-    /// What a TPDO shows that is unusual.
+    /// The unusual event of a TPDO that the frame shows.
     pub stream: StreamEvent,
     /// The TPDOs that begin anew after the frame.
     restart: Option<Restart>,

@@ -95,7 +95,8 @@ impl NodeFacts {
     /// Notes a boot-up.
     pub(super) fn booted(&mut self, now: Timestamp) {
         let repeats = self.repeats_boot_up(now);
-        // A node that starts again and again sends a third one as soon as the second.
+        // A node that starts again and again sends a third boot-up as soon after the second as the second after the
+        // first.
         let is_third = self.repeated_boot_up
             && self.pending_reset.is_none()
             && Self::is_recent(self.last_boot_up, now, Self::TWICE);

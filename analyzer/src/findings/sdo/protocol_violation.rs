@@ -42,7 +42,7 @@ impl Rule for ProtocolViolation {
         }
         self.begun[at] |= begins(context.message());
         let Some(violation) = context.decoded.violation else { return };
-        // A late answer has a finding of its own.
+        // The kind of violation, and the side that commits it: the direction of the frame shows the side.
         if violation == Violation::Unexpected && matches!(context.news().request, RequestEvent::AnsweredLate { .. }) {
             return;
         }

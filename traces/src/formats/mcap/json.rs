@@ -18,7 +18,7 @@ pub(crate) struct JsonPlan {
 }
 
 impl JsonPlan {
-    /// The plan for a JSON schema, or for messages without one; `None` if its messages are no CAN frames.
+    /// The plan for a JSON schema, or for messages without a schema; `None` if the messages are no CAN frames.
     pub(crate) fn new(name: &str, schema: &[u8]) -> Option<Self> {
         let named_fd = Shape::is_named_fd(name);
         let schema: Option<Value> = serde_json::from_slice(schema).ok();

@@ -67,7 +67,7 @@ fn entries(section: Section<'_>) -> Vec<(u32, Field<'_>)> {
     section.all_fields().filter_map(|field| Some((field.name().parse().ok()?, field))).collect()
 }
 
-/// The entries of the list with the finding.
+/// The entries of the list in which the finding lies.
 fn entries_around<'s>(finding: &Finding, source: &'s Source<'_>) -> Option<Vec<(u32, Field<'s>)>> {
     source.section_at(finding.span.start).map(entries)
 }
