@@ -31,7 +31,7 @@ impl Need {
         Self { id, text, check, fleeting: false, moving: false, provide: None, rescue: None }
     }
 
-    /// Makes the need be checked before each case, since it may be met before one case but not before the next.
+    /// Makes the suite check the need before each case, since it may be met before one case but not before the next.
     #[must_use]
     pub(crate) const fn fleeting(self) -> Self {
         Self { fleeting: true, ..self }

@@ -39,7 +39,7 @@ impl Bench<'_> {
     /// Refuses to send a frame that would move a zero point or write the memory at once, unless the user allows it.
     /// While the tester puts a device back it never moves a zero point, except in [`Bench::put_back_zero_point`].
     ///
-    /// This is the last guard: cases ask for leave by their `touches`, before they begin.
+    /// This is the last check: a case asks for the user's permission by its `touches`, before it begins.
     pub(super) fn check_leave(&mut self, frame: &Frame) -> Result<(), Stop> {
         let Some(at) = self.written_by(frame) else { return Ok(()) };
         if self.moves_zero_point(at) {

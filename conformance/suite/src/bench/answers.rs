@@ -85,7 +85,8 @@ fn untidy(response: &Response, frame: &Frame) -> Option<Breach> {
     Some(breach.expected(Bytes(clean.data()).to_string()).told(Bytes(frame.data()).to_string()))
 }
 
-/// Number of bytes of an answer that the standard fixes. For bytes without data it only says that they hold none.
+/// Number of bytes of an answer that the standard fixes. Of bytes without data the standard says only that they hold no
+/// data.
 fn carried(response: &Response) -> usize {
     match response {
         Response::UploadSegment(segment) => 1 + segment.data().len(),

@@ -83,8 +83,8 @@ fn described_objects(bench: &Bench<'_>) -> Vec<Multiplexer> {
     readable.map(|(multiplexer, _)| multiplexer).collect()
 }
 
-/// Reads an object of which only the index is known: its sub-index 0, and the sub-indexes that this counts, if there
-/// are any.
+/// Reads an object of which only the index is known: its sub-index 0, and the sub-indexes that sub-index 0 counts, if
+/// there are any.
 fn dump_object(bench: &mut Bench<'_>, index: u16, values: &mut Vec<(Multiplexer, Vec<u8>)>) {
     let Some(first) = value_of(bench, Multiplexer::new(index, 0)) else { return };
     let highest = if let [highest] = first[..] { highest } else { 0 };

@@ -1,4 +1,4 @@
-//! The traffic of others and their bus load: the device under test has to work with the rest.
+//! The traffic of others and their bus load: the device under test has to work with the rest of the bus.
 
 use crate::foreign::{ForeignKind, ForeignMessages};
 use canvass_analyzer::NodeId;
@@ -43,7 +43,7 @@ impl Foreign {
         }
     }
 
-    /// The foreign messages that concern the device under test: `kind` gives their meaning for it.
+    /// The foreign messages that concern the device under test: `kind` gives the meaning of a frame for the device.
     pub fn messages(&self, kind: impl Fn(u16, Form) -> Option<ForeignKind>) -> Vec<ForeignMessages> {
         let mut counts: BTreeMap<(ForeignKind, u16), u64> = BTreeMap::new();
         for (&(id, form), count) in &self.frames {

@@ -7,16 +7,16 @@ use canvass_analyzer::Multiplexer;
 use canvass_traces::Duration;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Whether the device has what a case needs; if not, why not.
+/// Whether the device has the features that a case needs; if not, the reason.
 pub type Met = Result<(), String>;
 
-/// The result of asking for a need. It is kept for the run.
+/// The result of the check of a need, kept for the run.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) enum Found {
     /// The device meets the need, or the reason why not.
     Known(Met),
-    /// The device answered neither like one that has the feature nor like one that lacks it; case `reported_in` reports
-    /// the breach.
+    /// The device answered neither like a device that has the feature nor like a device that lacks it; case
+    /// `reported_in` reports the breach.
     Broken { why: Reason, reported_in: &'static str },
 }
 

@@ -28,7 +28,8 @@ pub struct Target {
     pub deviations: Vec<Deviation>,
     /// Cases whose failures do not count yet.
     pub quarantines: Vec<Quarantine>,
-    /// Whether the device is simulated from its description alone, so that each failure is one of the description.
+    /// Whether the device is simulated from its description alone, so that each failure is a failure of the
+    /// description.
     pub described_alone: bool,
 }
 
@@ -147,7 +148,7 @@ impl Target {
         Self::with_faults(model, node, Faults::NONE)
     }
 
-    /// The device of [`Target::of`], with the faults of these that change its description. Faults of the firmware
+    /// The device of [`Target::of`], with those of the faults that change its description. Faults of the firmware
     /// change nothing here.
     pub fn with_faults(model: &Model, node: NodeId, faults: Faults) -> Self {
         Self::with_firmware(model, node, faults.into())

@@ -209,7 +209,7 @@ impl Watch {
         &self.others
     }
 
-    /// Forgets what belongs to one case.
+    /// Forgets the events that belong to one case.
     pub fn forget(&mut self) {
         self.restarted = None;
         self.second_boot_up = None;
@@ -227,11 +227,11 @@ impl Watch {
 pub(super) enum MemoryCommand {
     /// "save" to 1010h, or LSS store configuration.
     Store,
-    /// "load" to 1011h, which marks the defaults there.
+    /// "load" to 1011h: the device marks in its memory that the defaults are to be loaded.
     Load,
 }
 
-/// The command of an own frame; `None` if it is another one.
+/// The command of an own frame; `None` if the frame is another one.
 pub(super) fn memory_command(cob_id: u16, data: &[u8], node: NodeId) -> Option<MemoryCommand> {
     if cob_id == lss::MASTER_CAN_ID {
         let stores = lss::Request::read(data) == Ok(lss::Request::StoreConfiguration);
@@ -335,7 +335,7 @@ mod tests {
         }
     }
 
-    /// Sixteen errors are enough of a storm. The end of an error does not count, nor does an error of another node.
+    /// Of a storm of errors sixteen are kept. The end of an error does not count, nor does an error of another node.
     #[test]
     fn the_first_errors_are_kept() {
         let mut watch = Watch::new(NodeId::new(63).unwrap());

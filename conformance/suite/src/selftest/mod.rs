@@ -2,7 +2,7 @@
 //!
 //! Each fault is put into the firmware of its model, and every case runs against a device of its own. A fault is
 //! detected if a case that names it fails. A case that fails without naming the fault must belong to the chapter of a
-//! case that does; otherwise it judges something outside its subject.
+//! case that names it; otherwise the failing case judges something outside its subject.
 
 mod liberties;
 mod masking;

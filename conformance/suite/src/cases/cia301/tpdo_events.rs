@@ -393,7 +393,7 @@ fn sync_start(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// Requires that the first TPDO follows the SYNC with this number, and that one follows each later SYNC.
+/// Requires that the first TPDO follows the SYNC with this number, and that a TPDO follows each later SYNC.
 fn begins_with(bench: &mut Bench<'_>, can_id: u16, start: u8) -> Judged {
     let id = bench.sync_id()?;
     operational(bench)?;
