@@ -106,8 +106,8 @@ impl Capture {
         Ok(Self { name: name.to_owned(), format, reader: format.open(source, options) })
     }
 
-    /// Makes a capture of another kind of reader, such as the reader of a live bus; `name` and `format` are those that
-    /// the capture reports.
+    /// Makes a capture of another kind of reader, such as the reader of a live bus; the capture reports `name` and
+    /// `format`.
     pub fn from_reader(name: &str, format: Format, reader: Box<dyn Reader>) -> Self {
         Self { name: name.to_owned(), format, reader }
     }

@@ -38,8 +38,8 @@ pub(crate) struct Journal {
     file: File,
     /// Objects whose earlier value is in the journal.
     known: BTreeSet<Multiplexer>,
-    /// Whether a case has begun that may leave more behind than values; `stores`: whether it has told the device to
-    /// store.
+    /// Whether a case has begun that may leave more behind than values; `stores`: whether this case has told the device
+    /// to store.
     open: bool,
     stores: bool,
 }

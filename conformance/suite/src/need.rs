@@ -93,9 +93,9 @@ impl Case {
     /// Checks that all needs of the case are met.
     ///
     /// # Errors
-    /// [`Stop::NotApplicable`] if the device lacks a feature. [`Stop::Breach`] if it neither serves a feature nor
-    /// properly reports its absence; the first case that meets the breach reports it, for the others it is
-    /// [`Stop::Inconclusive`]. A case of [`Level::Open`] reports none.
+    /// [`Stop::NotApplicable`] if the device lacks a feature. [`Stop::Breach`] if the device neither serves a feature
+    /// nor properly reports its absence; the first case that meets the breach reports it, for the other cases it is
+    /// [`Stop::Inconclusive`]. A case of [`Level::Open`] reports no breach.
     pub(crate) fn require(&self, bench: &mut Bench<'_>) -> Result<(), Stop> {
         for &need in self.needs {
             if let Err(why) = self.ask(bench, need)? {

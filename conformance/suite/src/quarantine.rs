@@ -26,7 +26,7 @@ pub struct Quarantine {
     pub case: String,
     /// The person who investigates why the case is flaky.
     pub owner: String,
-    /// Why the case is quarantined.
+    /// The reason for the quarantine.
     pub reason: String,
     /// The last day of the quarantine, `YYYY-MM-DD`.
     pub until: String,

@@ -89,7 +89,7 @@ fn section(section: Section<'_>, source: &Source<'_>, description: &DeviceDescri
         | SectionName::Tools
         | SectionName::Unknown
         | SectionName::Module(_, ModulePart::Comments) => whole(section, losses),
-        // The sections of lists are written anew from the described objects; the content of the others is kept.
+        // The sections of lists are written anew from the described objects; the content of the other sections is kept.
         SectionName::DummyUsage
         | SectionName::MandatoryObjects
         | SectionName::OptionalObjects

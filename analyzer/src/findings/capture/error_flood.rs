@@ -52,7 +52,7 @@ struct Flood {
     first: Seen,
     last: Timestamp,
     count: u64,
-    /// Number of frames of the bus up to the first one, and up to the last one.
+    /// Number of frames of the bus up to the first error frame of the flood, and up to the last one.
     frames: [u64; 2],
 }
 
@@ -67,7 +67,7 @@ impl Flood {
 }
 
 impl ErrorFlood {
-    /// Ends the flood if its last error frame is long enough ago.
+    /// Ends the flood if its last error frame is longer ago than the longest pause; without `now`, ends it at once.
     fn flush(&mut self, now: Option<Timestamp>, sink: &mut Sink<'_>) {
         let ends = |flood: &Flood| now.is_none_or(|now| now.since(flood.last) > self.pause);
         let is_flood = |flood: &Flood| flood.count >= self.frames && flood.disturbs();

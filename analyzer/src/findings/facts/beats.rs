@@ -12,12 +12,12 @@ pub struct Beats {
     pause: Option<(Timestamp, Timestamp)>,
 }
 
-/// What may explain the silence of a node's TPDOs.
+/// The messages whose pauses may explain the silence of a node's TPDOs.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Reasons {
     /// SYNC.
     pub sync: Beats,
-    /// The messages whose pauses may explain the silence of a node's TPDOs.
+    /// The RPDOs to the node.
     pub received: Beats,
 }
 

@@ -38,7 +38,7 @@ pub struct Orders {
     pub last_reset: Option<Timestamp>,
     /// The last command of any kind.
     pub last: Option<(Command, Timestamp)>,
-    /// Whether another command preceded the first reset: it may restart the heartbeat's period.
+    /// Whether another command preceded the first reset: such a command may restart the heartbeat's period.
     pub shifts: bool,
 }
 

@@ -15,7 +15,7 @@ pub struct Streams {
     /// The RPDOs to each node.
     received: PerNode<Beats>,
     sync: Beats,
-    /// At most one for each TPDO.
+    /// The TPDOs that had been silent when they began anew: at most one entry for each TPDO.
     cut: Vec<Cut>,
 }
 
@@ -43,7 +43,7 @@ pub struct Restart {
     pub reset: Reset,
 }
 
-/// The TPDOs that were silent when they began anew: at most one entry for each TPDO.
+/// A TPDO that had been silent when it began anew.
 #[derive(Clone, Copy, Debug)]
 pub struct Cut {
     /// The node, which had to send the TPDO until then.
@@ -87,7 +87,7 @@ pub struct Stream {
     period: u64,
     /// Number of intervals that had the period.
     regular: u32,
-    /// Weight of the intervals that differ from the period: two for each, and one less for each regular one.
+    /// Weight of the intervals that differ from the period: each adds two, and each regular interval takes one off.
     off: u8,
     /// Number of frames with the data of the frame before, while the period was kept: a timer sends them, as no event
     /// has changed the data.

@@ -54,7 +54,7 @@ impl SyncPdoMissing {
     }
 
     /// Checks a PDO against the SYNC messages before it: a PDO of every n-th SYNC must not come with the SYNC messages
-    /// between.
+    /// in between.
     fn pdo(&mut self, node: NodeId, number: u16, context: &Context<'_>, sink: &mut Sink<'_>) {
         let Some(pdo) = pdo_mut(&mut self.pdos, node, number) else { return };
         let passed = pdo.since.replace(0);

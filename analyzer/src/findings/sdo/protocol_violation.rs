@@ -42,14 +42,14 @@ impl Rule for ProtocolViolation {
         }
         self.begun[at] |= begins(context.message());
         let Some(violation) = context.decoded.violation else { return };
-        // The kind of violation, and the side that commits it: the direction of the frame shows the side.
+        // A late answer has a finding of its own.
         if violation == Violation::Unexpected && matches!(context.news().request, RequestEvent::AnsweredLate { .. }) {
             return;
         }
         if violation == Violation::Unexpected && !self.begun[at] && !is_unsolicited(context) {
             return;
         }
-        // The kind of violation with the side that commits it: the direction of the frame tells.
+        // The kind of violation, and the side that commits it: the direction of the frame shows the side.
         let client = matches!(context.message(), Message::SdoRequest(_) | Message::SdoBlockDownload(_));
         let detail = kind(violation) << 1 | u64::from(client);
         let report = Report::at(context.now()).node(context.node()).detail(detail);

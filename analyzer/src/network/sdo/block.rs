@@ -109,8 +109,8 @@ impl HeldBack {
         self.0.capacity()
     }
 
-    /// Releases the bytes of the first `segments` segments, which count; `keep_last` holds back the last one, because
-    /// only the end message tells how many of its bytes count.
+    /// Releases the bytes of the first `segments` segments, which count; `keep_last` holds back the last of these
+    /// segments, because only the end message tells how many of its bytes count.
     fn release(&mut self, segments: u8, keep_last: bool, mut take: impl FnMut(&[u8])) {
         let confirmed = (usize::from(segments) * 7).min(self.0.len());
         let kept = if keep_last { 7.min(confirmed) } else { 0 };

@@ -30,7 +30,8 @@ impl Bench<'_> {
         self.manual().is_some_and(|model| model.sheet().storage.persist_at_once.contains(&at))
     }
 
-    /// Whether the user's leave covers writing an object: it moves no zero point, and is not stored at once.
+    /// Whether the user's permissions cover writing an object: a write that moves a zero point needs the permission for
+    /// presets, a write that is stored at once needs the permission for non-volatile memory.
     pub(crate) fn may_write(&self, at: Multiplexer) -> bool {
         let allows = |touch: Touch| self.options.allow.contains(&touch);
         (!self.moves_zero_point(at) || allows(Touch::Preset)) && (!self.stores_at_once(at) || allows(Touch::Nvm))

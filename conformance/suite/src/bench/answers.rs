@@ -55,7 +55,7 @@ impl Bench<'_> {
         Ok(())
     }
 
-    /// Runs `act` without judging the answers: the tester only finds out what the device has.
+    /// Runs `act` without judging the answers: the tester only finds out which objects and features the device has.
     pub(crate) fn unjudged<T>(&mut self, act: impl FnOnce(&mut Self) -> T) -> T {
         let mark = self.log.mark();
         let result = act(self);

@@ -15,7 +15,7 @@ pub struct Attempt {
     pub multiplexer: Multiplexer,
     /// The transfer in words: `download of 1 byte to 1000h:00`.
     pub what: String,
-    /// How the transfer ended.
+    /// The outcome of the transfer.
     pub outcome: Outcome,
     /// The server's frames in the order in which they came.
     pub responses: Vec<Frame>,

@@ -87,7 +87,7 @@ impl Baseline {
 }
 
 impl Bench<'_> {
-    /// Runs `act` with leave to move a zero point back to its place.
+    /// Runs `act` with the permission to move a zero point back to its place.
     pub(crate) fn with_leave_to_move<T>(&mut self, act: impl FnOnce(&mut Self) -> T) -> T {
         let before = std::mem::replace(&mut self.changes.moving_zero_point, true);
         let result = self.uncancelled(act);

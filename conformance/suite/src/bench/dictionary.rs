@@ -186,8 +186,8 @@ pub(super) fn change(
     Change { multiplexer, name, data_type, nature, before, after }
 }
 
-/// Whether the value is that of the last write, which acted: a preset or another command. Histories, signatures and
-/// clocks have values of their own.
+/// Whether the object acts when it is written, and keeps the value of the last write: a preset or another command.
+/// Histories, signatures and clocks have values of their own.
 fn is_commanded(bench: &Bench<'_>, at: Multiplexer) -> bool {
     let described = bench.target.description.as_ref();
     let entry = described.and_then(|description| description.dictionary.entry(at).ok());

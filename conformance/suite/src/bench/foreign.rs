@@ -28,7 +28,8 @@ pub(crate) struct Foreign {
     frames: HashMap<(CanId, Form), u64>,
 }
 
-/// The bit rate assumed if it is unknown. It is the highest, so that the actual load is at least the calculated one.
+/// The bit rate that is assumed if the bit rate of the bus is unknown: the highest, so that the actual load is at least
+/// the calculated load.
 const HIGHEST_BIT_RATE: u32 = 1_000_000;
 
 /// Maximum number of identifiers that are distinguished.

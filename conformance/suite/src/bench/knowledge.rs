@@ -79,8 +79,8 @@ impl Knowledge {
         Self { gone: None, promptness: Promptness::default(), ..self }
     }
 
-    /// Whether the device may be operational: it was so in this run and nothing has since shown that it no longer can
-    /// be, or it does not show its state.
+    /// Whether the device may be operational: it was operational in this run and nothing since has shown that it no
+    /// longer can be, or it does not show its state.
     pub(crate) const fn may_be_operational(&self) -> bool {
         self.shows_no_state || self.was_operational && self.kept_out_since.is_none()
     }

@@ -217,8 +217,7 @@ impl Bench<'_> {
 
     fn is_long(&mut self, multiplexer: Multiplexer, at_least: usize) -> Result<bool, Stop> {
         let attempt = self.upload(multiplexer)?;
-        // The size that the server announces decides, not the bytes that it then sends: these are for the cases to
-        // judge.
+        // The size that the server announces decides; the cases judge the bytes that it then sends.
         let announced = attempt.responses.first().and_then(|frame| Response::read(frame.data()).ok());
         Ok(match announced {
             Some(Response::InitiateUpload { payload: Payload::Segmented(size), .. }) => size as usize >= at_least,

@@ -36,7 +36,7 @@ pub struct Target {
 /// The options of a test. A bundle of evidence contains them, except those that only concern the tester's machine.
 #[derive(Clone, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
 pub struct Options {
-    /// The actions that the user allows, beyond those without lasting effects.
+    /// The actions that the user allows, beyond the actions without lasting effects.
     pub allow: BTreeSet<Touch>,
     /// The maximum waits.
     pub timing: Timing,

@@ -195,7 +195,7 @@ impl<'a> Traffic<'a> {
         }
     }
 
-    /// Whether the device under test sent a frame, with its node-ID or with one that it was given.
+    /// Whether the device under test sent a frame, with its node-ID or with a node-ID that it was given.
     fn is_own(&self, frame: &Frame) -> bool {
         let of_given = || frame.cob_id().and_then(NodeId::of_cob_id).filter(|&node| self.watch.is_given(node));
         is_from(self.node, frame) || of_given().is_some_and(|node| is_from(node, frame))

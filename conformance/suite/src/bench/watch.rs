@@ -10,7 +10,7 @@ use canvass_analyzer::wire::sdo::{self, Request};
 use canvass_traces::{Direction, Duration, Record, Timestamp};
 use std::collections::BTreeSet;
 
-/// Maximum time between two boot-up messages of the same start: only the boot-up cases judge the second one.
+/// Maximum time between two boot-up messages of the same start: only the boot-up cases judge the second message.
 pub(super) const SAME_START: Duration = Duration::from_millis(500);
 
 /// Maximum number of EMCYs that are remembered, enough even for a storm.
@@ -40,7 +40,7 @@ pub struct Watch {
     emergencies: Vec<(Timestamp, Emcy)>,
     provoked: bool,
     others: BTreeSet<NodeId>,
-    /// Node-IDs that the tester gave to the device under test: a node that uses one of them is not another one.
+    /// Node-IDs that the tester gave to the device under test: a node that uses one of them is not another node.
     given: BTreeSet<NodeId>,
     stores: u32,
     /// Whether the case has stored something.

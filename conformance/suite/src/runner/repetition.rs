@@ -120,7 +120,7 @@ fn may_wear_out(case: &Case) -> bool {
     case.touches.iter().any(|touch| matches!(touch, Touch::Nvm | Touch::FactoryDefaults | Touch::Preset))
 }
 
-/// Whether a repetition may meet a quieter moment: others that send to the device all the time leave none.
+/// Whether a repetition may meet a quieter moment: others that send to the device all the time leave no quiet moment.
 fn may_end_otherwise(report: &CaseReport) -> bool {
     let Some(End::Inconclusive(reason)) = report.verdict.end() else { return false };
     let come_and_go = report.foreign.iter().any(|sent| sent.kind.may_keep_out());

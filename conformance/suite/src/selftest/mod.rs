@@ -292,7 +292,7 @@ fn judge_machine(
     report
 }
 
-/// A firmware of a model that several cases judge in turn. Each case uses the knowledge of the earlier ones about the
+/// A firmware of a model that several cases judge in turn. Each case uses the knowledge of the earlier cases about the
 /// device.
 pub struct Tried {
     model: &'static Model,
@@ -315,8 +315,9 @@ impl Tried {
     }
 }
 
-/// The chapter of a case. Services that can't be distinguished from outside share one: a device shows its NMT state by
-/// its heartbeats, and its objects by its SDO server, so a fault of one of them shows in the cases of all.
+/// The chapter of a case. Services that can't be distinguished from outside share a chapter: a device shows its NMT
+/// state by its heartbeats, and its objects by its SDO server, so a fault of one service shows in the cases of all
+/// these services.
 fn chapter(case: &'static Case) -> &'static str {
     match case.family() {
         "301/nmt"

@@ -7,7 +7,7 @@ use base64::engine::general_purpose::STANDARD;
 use serde_json::{Map, Value};
 use std::borrow::Cow;
 
-/// How to read the messages of a JSON channel.
+/// The plan for reading the messages of a JSON channel.
 #[derive(Clone, Debug)]
 pub(crate) struct JsonPlan {
     shape: Shape,

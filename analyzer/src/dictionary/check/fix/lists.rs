@@ -40,7 +40,8 @@ pub(super) fn of(finding: &Finding, source: &Source<'_>, description: &DeviceDes
     None
 }
 
-/// Whether the file may announce more objects than it describes; the file alone can't tell.
+/// Whether the file announces more objects than it describes. The file alone can't tell whether the device has these
+/// objects.
 fn announces_more(finding: &Finding, source: &Source<'_>) -> bool {
     let announced = source.field_in(finding.line).and_then(|field| number::value_of(field.value()));
     announced > described(finding).map(i128::from)

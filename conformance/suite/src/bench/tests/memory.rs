@@ -106,8 +106,8 @@ fn restored_defaults_do_not_stay() {
     });
 }
 
-/// A device that does not store restored defaults still has in its memory what a case has stored before. No reset shows
-/// that, only power-off.
+/// A device that does not store restored defaults still has in its memory the values that a case has stored before. No
+/// reset shows these values, only power-off.
 #[test]
 fn what_restored_defaults_hide_does_not_stay() {
     on("lika-ax58", None, &[Touch::Nvm, Touch::FactoryDefaults], |bench| {
@@ -138,7 +138,7 @@ fn a_memory_that_is_not_as_it_was_is_told() {
     on("reference-301", None, &[], |bench| {
         let dictionary = at_work(bench);
         bench.write(HEARTBEAT, &[50, 0]).unwrap();
-        // The store counts as one of somebody else.
+        // The store counts as a store of somebody else.
         bench.write(STORE, b"save").unwrap();
         let comparison = baseline::put_back_device(bench, "sim:x", false, &dictionary);
         let stored: Vec<(String, Option<Vec<u8>>)> =
