@@ -54,7 +54,7 @@ impl<'s> Fields<'s, '_> {
         setting(found.value(), data_type, self.place(found, field.text()), self.problems)
     }
 
-    /// The place of a field that is there.
+    /// The place of a field that the section has.
     fn place(&self, found: Field<'s>, field: &'s str) -> Place<'s> {
         Place { field, ..found.place() }
     }

@@ -14,7 +14,7 @@ pub struct Presence {
     alarms: PerNode<Option<Duration>>,
     /// Whether the master has commanded or asked the node since its last message.
     addressed: PerNode<bool>,
-    /// A silence that began before this time proves nothing: frames may be missing there.
+    /// A silence that began before this time proves nothing: frames may be missing in it.
     since: Timestamp,
 }
 

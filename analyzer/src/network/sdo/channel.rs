@@ -37,7 +37,7 @@ pub struct Channel {
     pub(super) held_back: HeldBack,
     phase: Phase,
     under_way: UnderWay,
-    /// Number of bytes of long values, taken from a room.
+    /// Number of bytes that long values have taken from a room.
     taken: usize,
 }
 

@@ -111,7 +111,7 @@ impl Watch {
         let Some(node) = NodeId::of_cob_id(cob_id) else { return };
         let is_error_control = cob_id & 0x780 == error_control::CAN_ID_BASE;
         if node != self.node {
-            // Heartbeats and boot-ups are certain signs that the node is there.
+            // Heartbeats and boot-ups are certain signs that the node is present.
             if is_error_control && !self.given.contains(&node) {
                 self.others.insert(node);
             }
