@@ -95,7 +95,8 @@ proptest! {
     }
 }
 
-/// Every CAN-ID with many first bytes. The CAN-IDs of the first nodes, and the uppermost ones, with every first byte.
+/// Every CAN-ID is tested with many first bytes; the CAN-IDs of the first nodes and the highest CAN-IDs are tested with
+/// every first byte.
 #[test]
 fn every_can_id_with_every_command() {
     let mut trace = Trace::new();

@@ -60,7 +60,7 @@ fn reads(description: &DeviceDescription) -> Vec<(String, String)> {
     entries.map(shown).collect()
 }
 
-/// The entries that were read otherwise than those of `plain.eds`.
+/// The entries that were read differently from the entries of `plain.eds`.
 fn differences(plain: &DeviceDescription, description: &DeviceDescription) -> Vec<String> {
     let (plain, found) = (reads(plain), reads(description));
     let addresses: BTreeSet<&str> = found.iter().map(|(address, _)| address.as_str()).collect();

@@ -1,5 +1,5 @@
-//! Changes of `apply_fixes` in a description, and what it keeps: comments, order, and everything that the reader
-//! understands.
+//! The changes that `apply_fixes` makes in a description, and the parts that it keeps: comments, order, and everything
+//! that the reader understands.
 
 // `cfg(test)` changes nothing here, but tells clippy that a test may unwrap.
 #![cfg(test)]

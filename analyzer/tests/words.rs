@@ -254,7 +254,7 @@ fn segments_hold_seven_bytes() {
         assert_eq!(&frame.data()[1..=length], data);
         assert!(frame.data()[1 + length..].iter().all(|byte| *byte == 0));
         assert_eq!(frame.id(), CanId::standard(0x605).unwrap());
-        // The counted bytes must be there, and no more are read.
+        // The counted bytes must be present, and no more are read.
         let Ok(Request::DownloadSegment(segment)) = Request::read(&frame.data()[..=length]) else { panic!("{length}") };
         assert_eq!((segment.data(), segment.toggle, segment.last), (data, true, true));
         if length > 0 {

@@ -83,7 +83,7 @@ fn filled_up<const N: usize>(header: [u8; N], len: u32, data: &[u8], crc: u16) -
 }
 
 /// The CRC sequence over a header and `len` bytes of data. Leading zeros don't change the CRC, so it can be computed
-/// over whole bytes. It is linear: the contributions of the bytes are looked up independently of each other.
+/// over whole bytes. The CRC is linear: the contributions of the bytes are looked up independently of each other.
 #[inline(always)]
 fn crc15<const N: usize>(header: [u8; N], len: usize, data: [u8; 8]) -> u16 {
     let shift = 64 - 8 * len as u32;

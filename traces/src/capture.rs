@@ -106,8 +106,8 @@ impl Capture {
         Ok(Self { name: name.to_owned(), format, reader: format.open(source, options) })
     }
 
-    /// Makes a capture of another kind of reader, such as the reader of a live bus; `name` and `format` are those that
-    /// the capture reports.
+    /// Makes a capture of another kind of reader, such as the reader of a live bus; the capture reports `name` and
+    /// `format`.
     pub fn from_reader(name: &str, format: Format, reader: Box<dyn Reader>) -> Self {
         Self { name: name.to_owned(), format, reader }
     }
@@ -144,7 +144,7 @@ fn recognise(name: &str, source: &mut Source, options: &ReadOptions) -> Result<F
     }
 }
 
-/// Reads the lines that decide what the columns mean, and fails if they fit two readings.
+/// Reads the lines that decide what the columns mean, and fails if the lines fit two readings.
 fn ask(name: &str, source: &mut Source, options: &ReadOptions) -> Result<(), OpenError> {
     let failed = |source| OpenError::Source { name: name.to_owned(), source };
     while source.window().len() < Format::SNIFF && source.fill().map_err(failed)? {}

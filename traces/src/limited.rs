@@ -10,7 +10,7 @@ pub(crate) struct Limited<'a> {
     cut: bool,
 }
 
-/// The reason why unpacking such a part ended.
+/// The reason why unpacking a part of a source ended.
 #[derive(Debug)]
 pub(crate) enum Unpacked {
     Whole,

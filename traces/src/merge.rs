@@ -123,8 +123,8 @@ impl Merge {
         self.sources.iter().position(|source| source.capture.time_base() != self.time_base())
     }
 
-    /// Writes the next item that is not skipped into `record`. After many skipped records one is returned all the same,
-    /// so that the caller gets control from time to time.
+    /// Writes the next item that is not skipped into `record`. After many skipped records the next record is returned
+    /// even if the set has it, so that the caller gets control from time to time.
     #[inline]
     pub fn next_kept(&mut self, skip: &mut SkipSet, record: &mut Record) -> Option<(usize, Result<(), Damage>)> {
         // A single source numbers its channels itself.

@@ -23,7 +23,8 @@ pub trait Reader: Iterator<Item = Result<Record, Damage>> {
     }
 
     /// Writes the next item that is not skipped into `record`; this saves moving it from reader to reader. After many
-    /// skipped records one is returned all the same, so that the caller gets control from time to time.
+    /// skipped records the next record is returned even if the set has it, so that the caller gets control from time to
+    /// time.
     fn next_kept(&mut self, skip: &mut SkipSet, record: &mut Record) -> Option<Result<(), Damage>> {
         for _ in 0..SkipSet::IN_A_ROW {
             match self.next()? {

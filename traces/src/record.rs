@@ -86,7 +86,7 @@ impl Clone for Record {
         Self { timestamp, frame, channel, direction, place, beside: beside.clone() }
     }
 
-    /// Neither frees nor allocates memory, unless a frame is long or has a comment, which few have.
+    /// Neither frees nor allocates memory, unless a frame is long or has a comment, which is rare.
     #[inline]
     fn clone_from(&mut self, other: &Self) {
         (self.timestamp, self.frame, self.channel) = (other.timestamp, other.frame, other.channel);

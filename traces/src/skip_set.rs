@@ -66,8 +66,8 @@ impl Which {
 impl SkipSet {
     /// Number of channels on which frames can be skipped.
     const CHANNELS: usize = 64;
-    /// Maximum number of frames skipped in a row. The next frame is returned all the same, so that the caller gets
-    /// control.
+    /// Maximum number of frames skipped in a row. The next frame is returned even if the set has it, so that the caller
+    /// gets control.
     pub(crate) const IN_A_ROW: usize = 1 << 16;
 
     /// Skips all frames with an 11-bit CAN-ID.

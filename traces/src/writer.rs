@@ -56,8 +56,8 @@ pub struct WriteOptions {
     pub time_base: crate::TimeBase,
     /// The compression of chunks, in formats with chunks (MCAP).
     pub chunk_compression: ChunkCompression,
-    /// Whether the caller flushes after every record. Formats with chunks then write none: one chunk per record would
-    /// need one row of the index each, and memory for it.
+    /// Whether the caller flushes after every record. Formats with chunks then write no chunks: each record would be a
+    /// chunk of its own, and each chunk needs a row of the index and memory for it.
     pub live: bool,
 }
 

@@ -162,7 +162,7 @@ impl DeviceDescription {
         Some((value & 0xFFFF) as u16)
     }
 
-    /// Whether it describes one configured device (DCF, XDC), not a type of device (EDS, XDD).
+    /// Whether the description is of one configured device (DCF, XDC), not of a type of device (EDS, XDD).
     pub const fn is_configuration(&self) -> bool {
         self.commissioning.is_some()
     }

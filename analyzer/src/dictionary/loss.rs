@@ -22,9 +22,9 @@ pub struct Loss {
 pub enum LossKind {
     /// The text could not be understood.
     Unread,
-    /// A description in memory does not keep this; the number tells how often the file has it.
+    /// A description in memory does not keep the text; the number tells how often the file has it.
     Unkept(usize),
-    /// The written format has no place for it.
+    /// The written format has no place for the text.
     NoPlace,
     /// The written file has another form of the text, which is given.
     Changed(String),

@@ -50,8 +50,8 @@ impl Manual {
         of_maker().or_else(|| Acting::of_communication(at)).or_else(of_profile).or_else(is_refused)
     }
 
-    /// The manual's entry for an EMCY message: of the entries with its error code the one with matching bytes, else the
-    /// first.
+    /// The manual's entry for an EMCY message: among the entries with the message's error code, the entry with matching
+    /// bytes, else the first.
     pub fn emergency(&self, emcy: &Emcy) -> Option<&KnownEmergency> {
         let code = emcy.code()?;
         let same_code = || self.emergencies.iter().filter(|known| known.code == code);

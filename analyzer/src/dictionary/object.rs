@@ -282,7 +282,7 @@ impl Object {
         self.entries.get_mut(position)
     }
 
-    /// Adds an entry; returns a replaced one with the same sub-index.
+    /// Adds an entry; returns the entry with the same sub-index that it replaces.
     pub fn insert(&mut self, entry: Entry) -> Option<Entry> {
         match self.position(entry.sub) {
             Ok(position) => self.entries.get_mut(position).map(|old| std::mem::replace(old, entry)),
@@ -342,7 +342,7 @@ impl ObjectDictionary {
         })
     }
 
-    /// Adds an object; returns a replaced one with the same index.
+    /// Adds an object; returns the object with the same index that it replaces.
     pub fn insert(&mut self, object: Object) -> Option<Object> {
         match self.position(object.index) {
             Ok(position) => self.objects.get_mut(position).map(|old| std::mem::replace(old, object)),

@@ -34,7 +34,7 @@ impl Completion {
         let services = Service::ALL.into_iter().map(|service| service.name().to_owned());
         let channels = channels.into_iter().filter(|name| !name.contains('"')).map(quoted);
         let others = compared.chain(flags).chain(services).chain(WORDS.map(str::to_owned));
-        // At the place of a channel name every word fits; offering keywords there would be misleading.
+        // At the place of a channel name every word fits; offering keywords at this place would be misleading.
         let names_channel = fits(before, UNHEARD_OF);
         let all = others.filter(|_| !names_channel).chain(channels);
         let mut words: Vec<String> = Vec::new();

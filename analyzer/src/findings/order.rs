@@ -30,7 +30,7 @@ pub struct Disorder {
 }
 
 impl InOrder {
-    /// A record that is older by more than this is a step of the clock.
+    /// A record that is older than the one before it by more than this time is a step of the clock.
     pub const WINDOW: Duration = Duration::from_millis(20);
     /// Maximum number of waiting records.
     const MOST: usize = 8_192;

@@ -75,7 +75,8 @@ impl Rhythm {
         self.shifted = true;
     }
 
-    /// Makes the next message end no interval: it may be delayed for a known reason, or frames are missing.
+    /// Begins the interval anew, so that the next message ends none: it may be delayed for a known reason, or frames
+    /// are missing.
     pub const fn pause(&mut self) {
         self.last = None;
     }

@@ -20,8 +20,8 @@ pub struct Metadata {
     pub rank: Rank,
     /// Effects of the rule's findings.
     pub leads_to: &'static [Effect],
-    /// Rules whose findings cause findings of this rule, and when. For rules of a device profile, which no other rule
-    /// names.
+    /// The rules whose findings cause findings of this rule, each with the effect. Only rules of a device profile have
+    /// this list: no other rule names them.
     pub follows: &'static [(&'static str, Effect)],
     /// The problem in one line.
     pub title: &'static str,
@@ -50,7 +50,7 @@ pub struct Definition {
 
 inventory::collect!(Definition);
 
-/// Special frames that a rule asks for, so that all others cost it nothing.
+/// Special frames that a rule asks for, so that all other frames cost the rule nothing.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Also {
     /// Frames with values of objects of a device profile, in a TPDO or an SDO transfer.

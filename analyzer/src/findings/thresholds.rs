@@ -102,7 +102,7 @@ impl fmt::Display for Unit {
 }
 
 impl Unit {
-    /// Whether this unit may follow a value; it may be left out.
+    /// Whether `word` after a value means this unit; an empty word means any unit.
     fn is_written(self, word: &str) -> bool {
         word.is_empty() || word == self.to_string() || self == Self::Microseconds && word == "us"
     }

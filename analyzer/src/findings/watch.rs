@@ -133,8 +133,8 @@ impl BusWatch {
         }
     }
 
-    /// The original of a copied frame: the same frame sooner than a bus can carry it again, or looped back by the
-    /// sending interface.
+    /// The original of a copied frame. A copy is the same frame sooner than a bus can carry it again, or the frame
+    /// looped back by the sending interface.
     pub fn original(&mut self, incoming: &Incoming<'_>) -> Option<Decoded> {
         let Incoming { record, id, bits } = *incoming;
         const GIVEN_BACK: Duration = Duration::from_millis(1);

@@ -60,7 +60,7 @@ pub struct CobIds {
     /// The CAN-IDs with another use than in the predefined connection set, by [`rank`], so that a boot-up checks only
     /// the CAN-IDs of its node.
     moved: BTreeSet<(u32, u16)>,
-    /// By CAN-ID: the number of frames that did not fit a learned use, minus the number that did.
+    /// By CAN-ID: the number of frames that did not fit a learned use, minus the number of frames that did.
     misfits: BTreeMap<u16, u16>,
     /// The number of changes of uses.
     changes: u64,

@@ -181,7 +181,7 @@ impl Bus {
         Decoded { event, ..plain(Service::Nmt, NodeId::new(command.node), Message::Nmt(command)) }
     }
 
-    /// Handles an NMT command as obeyed; error control corrects the state if the node did not obey.
+    /// Handles an NMT command as if the node had obeyed it; error control corrects the state if the node did not obey.
     fn commanded(&mut self, id: NodeId, command: Command) -> Option<Event> {
         self.turn += 1;
         let node = self.node_mut(id);

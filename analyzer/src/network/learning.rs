@@ -331,7 +331,7 @@ fn is_possible(used: Use, cob_id: CobId) -> bool {
     }
 }
 
-/// 1301h..1340h:01: there is no such SRDO.
+/// Value of 1301h..1340h:01: the SRDO does not exist.
 const SRDO_NONE: u32 = 0;
 /// 1301h..1340h:01: the node receives the SRDO.
 const SRDO_RECEIVED: u32 = 2;

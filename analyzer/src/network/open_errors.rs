@@ -20,8 +20,9 @@ impl<T> OpenErrors<T> {
 
     /// Handles an EMCY message, and returns the errors that it ends. A repeated error keeps its age.
     ///
-    /// The code 00xxh does not tell which error is gone. If the error register in the message is 0, all are gone.
-    /// Otherwise those are gone whose class has no bit in the register; and a single error is gone with any register.
+    /// The code 00xxh does not tell which error is gone. If the error register in the message is 0, all errors are
+    /// gone. Otherwise an error is gone if the register has no bit of its class. A single present error is gone
+    /// whatever the register says.
     pub fn handle(&mut self, emcy: &Emcy, what: impl FnOnce() -> T) -> Vec<(EmcyCode, T)> {
         let Some(code) = emcy.code() else { return Vec::new() };
         if !code.is_reset() {
@@ -89,7 +90,7 @@ mod tests {
             ends(&mut errors, u32::from(code), [code, 0xFF, 0x81]);
         }
         assert_eq!(errors.iter().map(|row| *row.1).collect::<Vec<_>>(), (0..16).collect::<Vec<_>>());
-        // The only one ends whatever the register says.
+        // The only present error ends whatever the register says.
         let mut errors = OpenErrors::default();
         ends(&mut errors, 1, [0x00, 0xFF, 0x81]);
         assert_eq!(ends(&mut errors, 2, [0x00, 0x00, 0x81]), [(0xFF00, 1)]);

@@ -48,8 +48,7 @@ impl Bus {
     /// The frames like the last one that have no effect, until [`Bus::turn`] changes or a different frame with the same
     /// CAN-ID comes. Must be called after the frame was handled.
     ///
-    /// All state that depends on a frame alone was made by the last one: the node exists, its PDO's layout is
-    /// computed.
+    /// The last frame has made all state that depends on a frame alone: the node exists, its PDO's layout is computed.
     #[inline]
     pub fn steady(&self, record: &Record, decoded: &Decoded) -> Option<Steady> {
         let frame = &record.frame;

@@ -41,7 +41,7 @@ impl BitRate {
     pub fn frame(&mut self, now: Timestamp, bits: u32) {
         let Some(last) = self.last.replace(now) else { return };
         let elapsed = now.since(last).nanos();
-        // At the usual rates a frame of 44 to 160 bits takes neither less nor more time.
+        // At the usual rates a frame of 44 to 160 bits takes a time within these limits.
         if bits == 0 || !(40_000..=20_000_000).contains(&elapsed) {
             return;
         }
@@ -127,7 +127,8 @@ mod tests {
     fn what_does_not_fit_on_the_bus_shows_a_higher_one() {
         let mut rate = BitRate::default();
         for n in 0..100 {
-            // Always the same pause happens to be the length of a frame at half the bit rate.
+            // Each frame comes after the same pause, and the distance of the frames happens to be the length of a frame
+            // at half the bit rate.
             rate.frame(Timestamp(n * 4_000 * 120), 120);
         }
         let slack = Duration::from_micros(2);
@@ -142,7 +143,7 @@ mod tests {
     fn a_constant_pause_is_no_slow_bus() {
         let mut rate = BitRate::default();
         let mut now = Timestamp(0);
-        // Two frames at 250 kbit/s, and each time a third one that comes when it would come at 50 kbit/s.
+        // Two frames at 250 kbit/s, and then a third frame that comes when it would come at 50 kbit/s, again and again.
         for n in 0..200_u64 {
             now += Duration(9_000_000 + n * n % 97 * 10_000);
             rate.frame(now, 111);

@@ -81,7 +81,8 @@ impl<'a> Object<'a> {
         ValueText { bytes, object: self, scale: None }
     }
 
-    /// The value in the first bytes, as many as the type of the object has. For an SDO without a length, or a PDO.
+    /// The value in the first bytes: as many bytes as the type of the object has. For an SDO without a length, or a
+    /// PDO.
     pub fn leading<'v>(&'v self, bytes: &'v [u8]) -> ValueText<'v> {
         let length = self.data_type().and_then(DataType::bytes).unwrap_or(bytes.len());
         self.value(&bytes[..length.min(bytes.len())])

@@ -58,7 +58,7 @@ impl Verdict {
 }
 
 impl Wire for CaseMarker {
-    /// Only the exact form is a marker, which distinguishes it from other uses of the CAN-ID.
+    /// Only the exact form is a marker: a frame of another form is another use of the CAN-ID.
     fn parse(input: &[u8]) -> IResult<&[u8], Self, Malformed> {
         let zero = || named("a zero", tag([0_u8].as_slice()));
         let (rest, kind) = named("01 or 02", verify(u8, |kind| matches!(kind, 1 | 2))).parse(input)?;

@@ -181,7 +181,7 @@ mod tests {
         ErrorFrame { class: ErrorClass(class), detail }.to_string()
     }
 
-    /// The texts give the same details as `candump -e`, in terms of their own.
+    /// The texts give the same details as `candump -e`, in other words.
     #[test]
     fn classes_with_their_details() {
         assert_eq!(

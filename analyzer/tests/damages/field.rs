@@ -113,7 +113,7 @@ fn object_type_missing(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     Some(remove(eds, line))
 }
 
-/// A field of an entry. DOMAIN entries are left out, as they need none.
+/// A field of an entry. DOMAIN entries are left out, as they need no such field.
 fn of_entry(eds: &Eds, dice: &mut Dice, field: &str) -> Option<usize> {
     let entries = eds.entries().into_iter().filter(|entry| entry.data_type != 0xF);
     let lines: Vec<usize> = entries.filter_map(|entry| eds.field(entry.header, field)).collect();

@@ -178,7 +178,7 @@ fn cob_ids_of(eds: &Eds, range: std::ops::RangeInclusive<u16>) -> Vec<usize> {
     indexes.filter_map(|index| default(eds, index, 1)).collect()
 }
 
-/// Gives one of the COB-IDs `second` the value of one of `first`, if that is in use.
+/// Gives one of the COB-IDs `second` the value of one of the COB-IDs `first`, if the latter is in use.
 fn same_cob_id(eds: &mut Eds, dice: &mut Dice, first: &[usize], second: &[usize]) -> Option<Place> {
     let (from, to) = (dice.pick(first)?, dice.pick(second)?);
     let value = eds.value(from).to_owned();

@@ -1,5 +1,5 @@
 //! The expected result for each file: the problems as `severity kind [section] field @ line's text`, and the entries
-//! that are read otherwise than in `plain.eds`.
+//! that are read differently from `plain.eds`.
 
 /// File, problems, entries.
 pub type Case = (&'static str, &'static [&'static str], &'static [&'static str]);

@@ -1,4 +1,4 @@
-//! Situations in which a node must not be accused, each beside the fault that looks like it.
+//! Situations in which a node must not be accused, each beside the fault that looks like this situation.
 
 use crate::traffic::Traffic;
 use canvass_analyzer::findings::{Finding, Severity};
@@ -24,7 +24,7 @@ fn a_server_that_repeats_itself_is_one_device() {
     let found = traffic.only(&["sdo/protocol-violation"]);
     assert_eq!(found.len(), 1);
     assert_eq!(found[0].message, "the server repeats its answer (1000h:00)");
-    // Two answers to each of several requests are those of two devices.
+    // Two answers to each of several requests come from two devices.
     let mut two = Traffic::default();
     for n in 0..4 {
         let ms = 1_000 + n * 100;
@@ -88,7 +88,7 @@ fn a_master_that_resets_all_is_not_missed() {
     named.finds("nodes/no-boot-up", Some(1), 20);
 }
 
-/// The master stops all nodes, and sends its own heartbeat on.
+/// The master stops all nodes, and goes on sending its own heartbeat.
 #[test]
 fn a_master_that_stops_all_goes_on() {
     for state in ["05", "7F"] {
@@ -217,7 +217,8 @@ fn a_refused_store_is_the_refusal_only() {
     traffic.finds("lss/refused", None, 202);
 }
 
-/// A node answers nothing and speaks later; a boot-up after a reset does not make up for that.
+/// A node leaves requests unanswered and sends its first message later. A boot-up after a reset does not make up for
+/// the missing answers.
 #[test]
 fn a_later_boot_up_does_not_answer() {
     let mut traffic = Traffic::default();

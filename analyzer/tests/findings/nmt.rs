@@ -1,4 +1,4 @@
-//! Which nodes must obey an NMT command, and which come back after a reset.
+//! The nodes that must obey an NMT command, and the nodes that come back after a reset.
 
 use crate::traffic::Traffic;
 use canvass_analyzer::findings::Severity;

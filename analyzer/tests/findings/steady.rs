@@ -1,5 +1,5 @@
-//! What is learned from the frames themselves: the period of SYNC, the rhythm and the length of PDOs, and errors on the
-//! bus that silence all nodes.
+//! Properties that are learned from the frames themselves: the period of SYNC, the rhythm and the length of PDOs, and
+//! errors on the bus that silence all nodes.
 
 use crate::traffic::{Traffic, hex};
 use canvass_analyzer::findings::{Finding, Severity};
@@ -47,7 +47,7 @@ fn sync_that_is_missing_again_and_again() {
     assert!(found.message.contains("no SYNC for 80"), "{}", found.message);
 }
 
-/// The producer stalls, and sends what it has missed at once.
+/// The producer stalls, and then sends the missed SYNC messages at once.
 #[test]
 fn a_sync_producer_that_catches_up() {
     let mut traffic = beats(10);
@@ -73,7 +73,7 @@ fn a_flood_of_errors_is_the_physical_layer() {
     assert_eq!(lost, 3);
 }
 
-/// Few errors of a node that is cut off are its own.
+/// A few error frames while one node is cut off are no flood: the loss of this node is reported first.
 #[test]
 fn few_errors_are_no_flood() {
     let mut traffic = beats(12);
@@ -135,7 +135,7 @@ fn a_pdo_with_an_event_timer_that_stops() {
     assert!(found.message.contains("its event timer is 100 ms"), "{}", found.message);
 }
 
-/// A node without a heartbeat falls silent: its PDO is all that shows it.
+/// A node without a heartbeat falls silent: only its PDO shows this.
 #[test]
 fn a_node_without_heartbeat_that_falls_silent() {
     let mut traffic = stops(|_| "0102030405060708".to_owned());
@@ -154,7 +154,7 @@ fn a_pdo_that_stays_away_for_a_while() {
 
 const CONSTANT: &str = "182#0102030405060708";
 
-/// What comes 10 s or more after the end of the PDO does not hide it.
+/// An event 10 s or more after the end of the PDO does not hide this end.
 #[test]
 fn a_pdo_that_stopped_before_something_else_happened() {
     let constant = |_| "0102030405060708".to_owned();
@@ -176,7 +176,7 @@ fn a_pdo_that_stopped_before_something_else_happened() {
         gap.every(70_030 + node, 80_000, 100, |_| format!("70{node}#05"));
     }
     check(gap.every(70_000, 80_000, 100, |_| "080#".to_owned()), "until frames are missing in the capture");
-    // It comes again after the event.
+    // The PDO comes again after the event.
     let mut back = stops(constant);
     back.at(30_000, "000#8002").silence(0x702, 30_000, 40_000).at(31_000, "000#0102");
     back.every(30_032, 31_000, 100, |_| "702#7F".to_owned()).every(31_032, 40_000, 100, |_| "702#05".to_owned());
@@ -198,7 +198,7 @@ fn a_pdo_that_stopped_with_its_reason_before_something_else_happened() {
     switched_off.only(&["nodes/boot-up-without-command"]);
 }
 
-/// Only a write that the node accepts changes its parameters, and only those of one PDO.
+/// Only a write that the node accepts changes parameters, and only the parameters of one PDO.
 #[test]
 fn a_pdo_that_stopped_while_its_parameters_were_read() {
     for (request, response) in [
@@ -308,7 +308,7 @@ fn a_second_sender_of_a_pdo_is_learned() {
     assert_eq!(other_length.len(), 2, "{other_length:#?}");
 }
 
-/// One device that doubles its rate is none.
+/// One device that doubles its rate is no second sender.
 #[test]
 fn a_doubled_rate_is_no_second_sender() {
     assert!(second_sender(50, "0102030405060708").is_empty());

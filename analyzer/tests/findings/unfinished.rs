@@ -1,5 +1,5 @@
 //! SDO transfers that are begun and not finished, messages with reserved bits, violations with their aborts; nodes that
-//! are left stopped or in LSS configuration; and what is not the effect of what.
+//! are left stopped or in LSS configuration; and findings that are not the effect of others.
 
 use crate::traffic::{Traffic, shown};
 use canvass_analyzer::findings::{Finding, Results, Severity};
@@ -228,7 +228,7 @@ fn a_slave_that_starts_anew_is_not_in_configuration() {
     assert!(found.iter().all(|found| found.rule.id != "lss/left-in-configuration"), "{found:#?}");
 }
 
-/// A transfer does not count as left if a reset has ended it, or if frames are missing that may have ended it.
+/// A transfer does not count as unfinished if a reset has ended it, or if frames are missing that may have ended it.
 #[test]
 fn a_transfer_that_a_gap_or_a_reset_may_have_ended() {
     for reset in [false, true] {
@@ -276,7 +276,7 @@ fn what_has_ended_has_no_later_cause() {
     assert_eq!(heads, ["bus/duplicate-node-id", "sdo/unanswered"]);
 }
 
-/// A node that is away from operational for minutes is told before another one that restarts.
+/// A node that is away from operational for minutes is reported before another node that restarts.
 #[test]
 fn a_long_absence_is_told_before_a_restart() {
     let mut traffic = Traffic::default();

@@ -111,7 +111,7 @@ fn a_message_of_another_place_is_told() {
     }
 }
 
-/// An end message that comes while more was due ends the transfer, and is reported.
+/// An end message that comes before other messages that are due ends the transfer, and is reported.
 #[test]
 fn an_early_end_ends_it() {
     for place in [2, 3, 4, 5, 6, 7, 8] {

@@ -245,7 +245,7 @@ fn expedited_transfers_hold_their_value() {
     let read = transfer(&trace);
     assert_eq!((read.direction, read.mode, read.data()), (Direction::Upload, Mode::Expedited, &[0xE8, 0x03][..]));
     assert_eq!((read.outcome, read.duration()), (Outcome::Complete, Duration(1_000_000)));
-    // The next transfer has nothing of this one.
+    // The next transfer keeps nothing of this transfer.
     let mut trace = trace;
     trace.say("605#40 17 10 00 00 00 00 00");
     assert_eq!((transfer(&trace).data(), transfer(&trace).length(), transfer(&trace).crc()), (&[][..], 0, 0));

@@ -147,7 +147,7 @@ fn a_description_counts_on_buses_that_are_known() {
     assert_eq!(trace.say("18A#00").decoded.node, Some(node(5)));
 }
 
-/// A model needs vendor-ID and product code, or device type and name. One of two is not enough.
+/// A model needs vendor-ID and product code, or device type and name. One of the two values is not enough.
 #[test]
 fn half_an_identity_fits_nothing() {
     let mut candidate = Candidate::of("model", Arc::new(device(&[(0x1000, 0, "0x00020196")])));

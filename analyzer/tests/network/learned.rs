@@ -1,4 +1,4 @@
-//! What the network learns from SDO traffic, and what it forgets at a boot-up (CiA 301, 7.3.2.2.1).
+//! The facts that the network learns from SDO traffic, and the facts that it forgets at a boot-up (CiA 301, 7.3.2.2.1).
 
 use crate::trace::Trace;
 use crate::{events, node};

@@ -240,7 +240,7 @@ fn process_data_follow_every_parameter() {
     assert_eq!(physical(&position(&mut trace)), "3.6 mm");
 }
 
-/// A mapping of two entries in the description, of which another one is read entry by entry: until the last entry is
+/// The description has a mapping of two entries, and another mapping is read entry by entry: until the last entry is
 /// read, the mapping is not known.
 #[test]
 fn a_mapping_that_is_read_is_not_mixed_with_the_description() {

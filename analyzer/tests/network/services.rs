@@ -185,7 +185,8 @@ fn a_multiplexed_pdo_names_its_object() {
     }
 }
 
-/// An LMT device on the bus makes messages that both protocols have LMT messages, until an LSS message comes.
+/// An LMT device on the bus decides that messages which both protocols have are LMT messages, until an LSS message
+/// comes.
 #[test]
 fn the_last_message_of_one_protocol_alone_decides() {
     let ambiguous = "7E5#13 00 05 00 00 00 00 00";

@@ -153,7 +153,7 @@ impl Traffic {
     }
 }
 
-/// Everything that can be told of a frame, as text.
+/// Everything that the analyzer can tell of a frame, as text.
 fn told(network: &Network, record: &Record, decoded: &Decoded) -> String {
     let bus = network.bus(record.channel).unwrap();
     let meaning = Meaning::new(record, decoded, bus);

@@ -1,13 +1,13 @@
-//! What a device does after a start and no object shows: its EMCYs, its state and its PDOs. A run compares this before
-//! and after.
+//! The behaviour of a device after a start that no object shows: its EMCYs, its state and its PDOs. A run compares this
+//! behaviour before and after its cases.
 
 use canvass_analyzer::wire::emcy::EmcyCode;
 use canvass_analyzer::wire::error_control::State;
 use std::collections::{BTreeMap, BTreeSet};
 use std::fmt;
 
-/// Minimum number of frames of a PDO in one look that prove, if the other look has none, that the PDO has stopped or
-/// begun. Fewer frames may come from a value that changed.
+/// Minimum number of frames of a PDO in one observation that proves that the PDO has stopped or begun, if the other
+/// observation has none. Fewer frames may come from a value that changed.
 const CERTAIN: u32 = 3;
 
 /// The behaviour of a device after a start, and after the following command to become operational.

@@ -17,7 +17,7 @@ pub struct Case {
     pub requirement: &'static str,
     /// The clause of the standard that contains the requirement.
     pub clause: Clause,
-    /// Whether the standard requires, recommends or leaves it open.
+    /// Whether the standard requires the behaviour, recommends it, or leaves it open.
     pub level: Level,
     /// Features without which the case is not applicable.
     pub needs: &'static [&'static Need],

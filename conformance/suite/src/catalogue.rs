@@ -17,7 +17,7 @@ pub fn find(id: &str) -> Option<&'static Case> {
     inventory::iter::<Case>.into_iter().find(|case| case.id == id)
 }
 
-/// Checks that a pattern in a file matches a case; otherwise returns what is wrong with it.
+/// Checks that a pattern in a file matches a case; otherwise returns the error in the pattern.
 pub(crate) fn expect(pattern: &str) -> Result<(), String> {
     match cases().iter().any(|known| glob::matches(pattern, known.id)) {
         true => Ok(()),

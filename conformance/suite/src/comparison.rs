@@ -20,7 +20,7 @@ pub struct Comparison {
     pub stored: Vec<Change>,
     /// Zero points that have moved: the one in use, and the one after a start.
     pub zero_points: Vec<Moved>,
-    /// Differences in what the device does after a start.
+    /// Differences in the behaviour of the device after a start.
     pub behaviour: Vec<Changed>,
 }
 

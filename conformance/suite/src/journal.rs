@@ -38,8 +38,8 @@ pub(crate) struct Journal {
     file: File,
     /// Objects whose earlier value is in the journal.
     known: BTreeSet<Multiplexer>,
-    /// Whether a case has begun that may leave more behind than values; `stores`: whether it has told the device to
-    /// store.
+    /// Whether a case has begun that may leave more behind than values; `stores`: whether this case has told the device
+    /// to store.
     open: bool,
     stores: bool,
 }
@@ -125,7 +125,8 @@ impl Journal {
     }
 }
 
-/// Creates a file that has these bytes or does not exist, whenever the run is killed. Does not replace a file.
+/// Creates a file with these bytes. Whenever the run is killed, the file has all the bytes or does not exist. Does not
+/// replace a file.
 fn begin(path: &Path, bytes: &[u8]) -> io::Result<File> {
     let mut name = path.as_os_str().to_owned();
     name.push(".canvass-new");

@@ -31,7 +31,7 @@ impl Need {
         Self { id, text, check, fleeting: false, moving: false, provide: None, rescue: None }
     }
 
-    /// Makes the need be checked before each case, since it may be met before one case but not before the next.
+    /// Makes the suite check the need before each case, since it may be met before one case but not before the next.
     #[must_use]
     pub(crate) const fn fleeting(self) -> Self {
         Self { fleeting: true, ..self }
@@ -93,9 +93,9 @@ impl Case {
     /// Checks that all needs of the case are met.
     ///
     /// # Errors
-    /// [`Stop::NotApplicable`] if the device lacks a feature. [`Stop::Breach`] if it neither serves a feature nor
-    /// properly reports its absence; the first case that meets the breach reports it, for the others it is
-    /// [`Stop::Inconclusive`]. A case of [`Level::Open`] reports none.
+    /// [`Stop::NotApplicable`] if the device lacks a feature. [`Stop::Breach`] if the device neither serves a feature
+    /// nor properly reports its absence; the first case that meets the breach reports it, for the other cases it is
+    /// [`Stop::Inconclusive`]. A case of [`Level::Open`] reports no breach.
     pub(crate) fn require(&self, bench: &mut Bench<'_>) -> Result<(), Stop> {
         for &need in self.needs {
             if let Err(why) = self.ask(bench, need)? {

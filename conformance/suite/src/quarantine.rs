@@ -24,9 +24,9 @@ pub struct Quarantine {
     pub line: usize,
     /// The id of a case, or a pattern with `*`.
     pub case: String,
-    /// The person who looks into it.
+    /// The person who investigates why the case is flaky.
     pub owner: String,
-    /// Why the case is quarantined.
+    /// The reason for the quarantine.
     pub reason: String,
     /// The last day of the quarantine, `YYYY-MM-DD`.
     pub until: String,

@@ -17,7 +17,7 @@ pub struct Answers {
     pub requirement: &'static str,
     /// The clause of the standard.
     pub clause: Clause,
-    /// Whether the standard requires, recommends or leaves it open.
+    /// Whether the standard requires the answer, recommends it, or leaves it open.
     pub level: Level,
     /// The abort codes that pass, the best one first.
     pub aborts: &'static [Code],
@@ -34,11 +34,11 @@ pub struct Answers {
 /// The result of comparing an answer with the allowed ones.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Judgement {
-    /// The standard allows it.
+    /// The standard allows the answer.
     Allowed,
-    /// Only CiA's test tool accepts it.
+    /// Only CiA's test tool accepts the answer.
     Tolerated,
-    /// Neither the standard nor CiA's test tool accepts it.
+    /// Neither the standard nor CiA's test tool accepts the answer.
     Wrong,
 }
 

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use std::fmt;
 use std::str::FromStr;
 
-/// An action on a device or a bus that needs the user's leave.
+/// An action on a device or a bus that the user must allow.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Touch {
@@ -54,7 +54,7 @@ impl Touch {
         matches!(self, Self::NodeId | Self::BitRate | Self::FactoryDefaults)
     }
 
-    /// Whether the tester itself does this; otherwise others do.
+    /// Whether the tester itself carries out the action; otherwise others do.
     pub const fn is_by_the_tester(self) -> bool {
         !matches!(self, Self::OtherClients)
     }

@@ -47,7 +47,7 @@ pub struct Waiver {
     pub subject: Subject,
     /// The behaviour of the device.
     pub does: Pattern,
-    /// The reason why it is accepted.
+    /// The reason why the user accepts the breach.
     pub reason: String,
     /// The person who answers for the waiver.
     pub owner: Option<String>,

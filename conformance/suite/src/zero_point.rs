@@ -1,4 +1,5 @@
-//! The zero point of a position, which a preset moves. It is compared before and after a run, at rest, to the step.
+//! The zero point of a position, which a preset moves. The tester compares it before and after a run, at rest, exactly
+//! to the step.
 //!
 //! Writing back the earlier value of a preset would move the zero point again. So it is never "restored": a case that
 //! was allowed to move it puts it back at rest by `Bench::put_back_zero_point`; in all other cases the tester reports

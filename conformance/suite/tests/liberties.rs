@@ -97,7 +97,7 @@ fn errors_in_stopped_need_not_be_kept_and_codes_are_the_devices_own() {
     assert_eq!(follow_up.kind(), Kind::Inconclusive, "without EMCY there is nothing to be kept");
 }
 
-/// A device with EMCY must report an RPDO that is too short; a device without need not.
+/// A device with EMCY must report an RPDO that is too short; a device without EMCY need not.
 #[test]
 fn what_is_reported_by_emcy() {
     spared(Liberty::NoEmcy, &["301/rpdo/too-short"]);

@@ -220,7 +220,7 @@ fn seldom_late(firmware: impl Into<Firmware>, state: u64, apart: u64, selectors:
     tested_as(Box::new(Starved::by(device(firmware), stalls)), firmware, selectors)
 }
 
-/// What failed once and not again is inconclusive, and its frames are shown.
+/// A case that failed once and not again is inconclusive, and its report shows the frames of the failure.
 #[test]
 fn a_device_that_is_seldom_late_fails_nothing() {
     let mut doubted = 0;
@@ -253,7 +253,7 @@ fn what_is_always_wrong_is_found_on_a_device_that_is_seldom_late() {
         (Fault::BootUpMissing, "301/boot-up/reset-node"),
     ] {
         for (state, apart) in [(3, 9_000), (8, 9_000), (4, 30_000), (6, 30_000)] {
-            // The whole family: what comes before shows that the device is late.
+            // The whole family runs: the cases before this one show that the device is late.
             let reports = seldom_late(fault, state, apart, &[case.rsplit_once('/').unwrap().0]);
             let failed = ending(&reports, Kind::Fail);
             let is_found = failed.iter().any(|told| told.starts_with(case));

@@ -232,7 +232,7 @@ fn a_file_names_the_vendor_but_may_number_products_its_own_way() {
 }
 
 /// Cases that are said not to make the device operational do not do so: a run of only these cases does not check its
-/// behaviour there.
+/// behaviour in operational.
 #[test]
 fn who_does_not_start_the_device_does_not_start_it() {
     let model = Model::by_id("reference-301").unwrap();

@@ -70,7 +70,7 @@ pub(crate) fn open(source: Source, _options: &ReadOptions) -> Box<dyn Reader> {
 #[derive(Default)]
 struct Console {
     clock: Clock,
-    /// Whether the last frame was an error frame: candump may print its explanation after it.
+    /// Whether the last frame was an error frame: candump may print an explanation after an error frame.
     explained: bool,
     /// Whether an earlier line has proved that the bytes are hexadecimal.
     hexadecimal: bool,

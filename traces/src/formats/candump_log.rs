@@ -60,14 +60,14 @@ pub(crate) fn open(source: Source, _options: &ReadOptions) -> Box<dyn Reader> {
 #[derive(Default)]
 struct CandumpLog {
     base: Option<TimeBase>,
-    /// Whether the last frame was an error frame: candump may print its explanation after it.
+    /// Whether the last frame was an error frame: candump may print an explanation after an error frame.
     explained: bool,
     habits: Habits,
     /// The names that the quick parser knows; empty until the first frame was read.
     names: Names,
 }
 
-/// The properties of the frames so far that follow the data: a last line without end must have them too.
+/// The parts of the frames so far that follow the data: a last line without end must have them too.
 #[derive(Default)]
 struct Habits {
     direction: bool,

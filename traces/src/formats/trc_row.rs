@@ -52,7 +52,7 @@ pub(crate) enum Content<'a> {
         offset: u64,
         bus: &'a [u8],
         record: Record,
-        /// Whether the file may have been cut inside the row, if it is the last one.
+        /// Whether the file may have been cut inside the row, if the row is the last one.
         in_doubt: bool,
     },
     /// A status, error counters or another event.
@@ -147,7 +147,7 @@ fn content<'a>(line: &'a [u8], all: &[Column], fields: &mut Fields<'a>) -> Parse
     data(rest, fields)
 }
 
-/// The id of a bus status in version 1.0, which distinguishes it from a frame.
+/// The id that distinguishes a bus status of version 1.0 from a frame.
 const STATUS_ID: &[u8] = b"FFFFFFFF";
 
 fn is_status(rest: &[u8], columns: &[Column]) -> bool {

@@ -25,7 +25,7 @@ pub(super) fn check(description: &DeviceDescription, source: &Source<'_>, folder
     problems.into_sorted()
 }
 
-/// Whether it is a file name without a folder. The check ignores files in other folders or on another machine.
+/// Whether `name` is a file name without a folder. The check ignores files in other folders or on another machine.
 fn is_plain(name: &str) -> bool {
     !name.is_empty() && !name.contains(['/', '\\', ':', '\0']) && !matches!(name, "." | "..")
 }

@@ -56,7 +56,8 @@ fn entry_types(check: &mut Check<'_>, object: &Object, entry: &Entry, profile: O
         let found = format!("{} instead of {data_type}", entry.data_type);
         check.report(at, "DataType", &rules::DATA_TYPE, expected, &found);
     }
-    // The COB-IDs of the first SDO server are fixed to the predefined connection set; those of other servers are not.
+    // The COB-IDs of the first SDO server are fixed to the predefined connection set; the COB-IDs of other servers are
+    // not.
     let standard_access = if at.index.0 == object::SDO_SERVER_PARAMETER { Some(Access::Ro) } else { standard.access };
     let Some(access) = standard_access else { return };
     let rule = match (access, entry.access) {

@@ -7,8 +7,8 @@ use crate::dictionary::object::{Access, Entry, Object, Setting};
 use crate::dictionary::value::Value;
 use crate::identity::SubIndex;
 
-/// Adds everything that the file left out to the dictionary: afterwards `CompactPDO` has no effect, and the count of
-/// a mapping described by `CompactSubObj` is the number of mapped objects, not of entries.
+/// Adds to the dictionary everything that the file left out. Afterwards `CompactPDO` has no effect, and the count of a
+/// mapping described by `CompactSubObj` is the number of mapped objects, not of entries.
 pub(super) fn expand(description: &mut DeviceDescription) -> Vec<Loss> {
     let mut losses = Losses::default();
     description.device.compact_pdo = 0;
@@ -35,7 +35,7 @@ pub(super) fn expand(description: &mut DeviceDescription) -> Vec<Loss> {
     losses.0
 }
 
-/// A mapping in compact form: no line of the file describes its sub-index 0.
+/// Whether the object is a mapping in compact form: no line of the file describes its sub-index 0.
 fn is_compact(object: &Object) -> bool {
     let is_mapping = PdoNumber::of_mapping_index(object.index.0).is_some();
     is_mapping && object.line != 0 && object.entry(SubIndex(0)).is_some_and(|count| count.line == 0)

@@ -63,7 +63,7 @@ pub fn compare(old: &DeviceDescription, new: &DeviceDescription) -> Vec<Differen
 struct Comparison<'a> {
     old: &'a DeviceDescription,
     new: &'a DeviceDescription,
-    /// Entries whose start value is reported with their PDO, and so not again.
+    /// Entries whose start value is already reported with their PDO: no second difference reports it.
     told: BTreeSet<Multiplexer>,
     found: Vec<Difference>,
 }

@@ -77,7 +77,8 @@ fn object(comparison: &mut Comparison<'_>, old: &Object, new: &Object) {
         let at = Multiplexer { index: old.index, sub };
         let subject = Subject::Entry(at);
         match (old.entry(sub), new.entry(sub)) {
-            // Sub-index 0 of a single value is the value, that of a structure a count: they are no counterparts.
+            // Sub-index 0 of a single value is the value, and sub-index 0 of a structure is a count: the two are no
+            // counterparts.
             (Some(_), Some(_)) if old.code.is_single() != new.code.is_single() => {}
             (Some(before), Some(after)) => {
                 entries::compare(comparison, at, before, after, old.code.is_single());

@@ -88,7 +88,7 @@ pub(super) fn compare(comparison: &mut Comparison<'_>, at: Multiplexer, old: &En
     comparison.changed(configured, subject, fact(&old.configured), fact(&new.configured));
 }
 
-/// Whether the standard defines a COB-ID there.
+/// Whether the standard defines a COB-ID at the address.
 fn is_cob_id(at: Multiplexer) -> bool {
     let name = object_name(at, None);
     let own = name.and_then(|name| name.entry.map(|entry| entry.name).filter(|name| !name.is_empty()));

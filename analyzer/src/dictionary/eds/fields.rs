@@ -54,7 +54,7 @@ impl<'s> Fields<'s, '_> {
         setting(found.value(), data_type, self.place(found, field.text()), self.problems)
     }
 
-    /// The place of a field that is there.
+    /// The place of a field that the section has.
     fn place(&self, found: Field<'s>, field: &'s str) -> Place<'s> {
         Place { field, ..found.place() }
     }
@@ -208,7 +208,7 @@ fn real(text: &str, data_type: DataType) -> Option<Value> {
     Some(if data_type == DataType::REAL32 { Value::Real32(number as f32) } else { Value::Real64(number) })
 }
 
-/// The bytes of a string: Latin-1 if all characters have one, since the file had these bytes.
+/// The bytes of a string: its characters in Latin-1 if Latin-1 has all of them, since the file had these bytes.
 fn characters(text: &str) -> Vec<u8> {
     let latin_1: Option<Vec<u8>> = text.chars().map(|character| u8::try_from(character).ok()).collect();
     latin_1.unwrap_or_else(|| text.as_bytes().to_vec())

@@ -30,8 +30,8 @@ pub(super) fn read(source: &Source<'_>, dictionary: &ObjectDictionary, problems:
     lists
 }
 
-/// The numbers of the fields `1=…`, `2=…`, each with its line, sorted by the number of the field; `count` is the
-/// field with their number.
+/// The numbers in the fields `1=…`, `2=…`, each with its line, sorted by the number of the field. `count` is the field
+/// that states how many of these fields there are.
 pub(super) fn numbered(section: Section<'_>, count: FieldName, problems: &mut Problems) -> Vec<(u16, u32)> {
     let mut numbers = Vec::new();
     for field in section.fields() {

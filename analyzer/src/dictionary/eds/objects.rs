@@ -160,7 +160,7 @@ pub(super) fn object(index: u16, parts: &Parts<'_>, source: &Source<'_>, problem
     object
 }
 
-/// Reports sub-indexes without their object.
+/// Reports sub-indexes that are described without their object, and returns an object without a name for them.
 fn headless(index: u16, parts: &Parts<'_>, problems: &mut Problems) -> Object {
     let mut object = Object::new(index, String::new(), ObjectCode::RECORD);
     if let Some((_, section)) = parts.subs.first_key_value() {

@@ -89,7 +89,7 @@ fn section(section: Section<'_>, source: &Source<'_>, description: &DeviceDescri
         | SectionName::Tools
         | SectionName::Unknown
         | SectionName::Module(_, ModulePart::Comments) => whole(section, losses),
-        // The sections of lists are written anew from the described objects; the content of the others is kept.
+        // The sections of lists are written anew from the described objects; the content of the other sections is kept.
         SectionName::DummyUsage
         | SectionName::MandatoryObjects
         | SectionName::OptionalObjects
@@ -100,8 +100,8 @@ fn section(section: Section<'_>, source: &Source<'_>, description: &DeviceDescri
     }
 }
 
-/// Reports the fields in the section of an object that are not kept. Without sub-indexes it is also the section of its
-/// entry.
+/// Reports the fields of an object's section that a description does not keep. If the object has no sub-indexes, the
+/// section also describes the object's entry.
 fn head(section: Section<'_>, object: Option<&Object>, losses: &mut Losses) {
     match object {
         Some(object) if object.code.is_single() => entry(section, object.entries().first(), losses),

@@ -1,4 +1,4 @@
-//! The seam for device profiles: the objects of a profile, and the list of registered profiles.
+//! The interface for device profiles: the objects of a profile, and the list of registered profiles.
 //!
 //! A profile registers itself; nothing else names it. Look-ups for frames use tables that are built once from all
 //! profiles, so that a frame costs no virtual call.
@@ -66,7 +66,7 @@ pub trait Configured {
     /// The value of a parameter.
     fn parameter(&self, at: Multiplexer) -> Option<u32>;
 
-    /// The manual's name for the state of a bit: of the first bit of the object whose name begins with `name`.
+    /// The manual's name for the state of a bit. The bit is the first one of the object whose name begins with `name`.
     fn state_of_bit(&self, at: Multiplexer, name: &str) -> Option<&str>;
 }
 
@@ -108,11 +108,12 @@ static PROFILES: LazyLock<Vec<Known>> = LazyLock::new(|| {
     profiles
 });
 
-/// The standardized profile area of the first logical device (CiA 301, 7.4.1): its first index, and how many it has. The
-/// objects of profiles lie there.
+/// The standardized profile area of the first logical device (CiA 301, 7.4.1): its first index, and its number of
+/// indexes. The objects of profiles lie there.
 const OBJECTS: (u16, usize) = (0x6000, 0x800);
 
-/// A bit for each role that an object has in any profile, by index: every decoded SDO transfer asks.
+/// For each index, one bit for each role that the object has in any profile. Every decoded SDO transfer needs this
+/// look-up.
 static ROLES: LazyLock<[u8; OBJECTS.1]> = LazyLock::new(|| {
     let mut roles = [0; OBJECTS.1];
     for (index, of_object) in profiles().flat_map(Profile::roles) {

@@ -1,9 +1,8 @@
-//! The rules of device descriptions: each with its text, reason, severity, and an example that breaks and one that
-//! keeps it.
+//! The rules of device descriptions: each with its text, reason, severity, an example that breaks it and an example
+//! that keeps it.
 //!
-//! The code that reads a description and [`super::consistency`] find the breaches; each problem names its rule. A
-//! rule is declared once, in a file of its family: `canvass explain`, the page of rules and the tests use that
-//! declaration.
+//! The code that reads a description and [`super::consistency`] find the breaches; each problem names its rule. A rule
+//! is declared once, in a file of its family: `canvass explain`, the page of rules and the tests use that declaration.
 
 pub(crate) mod declare;
 pub(super) mod entry;
@@ -96,7 +95,7 @@ pub(crate) struct OfProfile(pub &'static [&'static Rule]);
 
 inventory::collect!(OfProfile);
 
-/// All rules in the order of the declarations; rules of device profiles follow those of the standards.
+/// All rules in the order of the declarations; the rules of device profiles follow the rules of the standards.
 static ALL: LazyLock<Vec<&'static Rule>> = LazyLock::new(|| {
     let mut profiles: Vec<&[&'static Rule]> = inventory::iter::<OfProfile>.into_iter().map(|of| of.0).collect();
     profiles.sort_by_key(|rules| rules.first().map(|rule| rule.id));

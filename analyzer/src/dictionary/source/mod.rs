@@ -215,8 +215,8 @@ impl<'a> Source<'a> {
         self.trimmed(self.whole_line(number))
     }
 
-    /// The range without blanks at both ends, and without a byte order mark at the beginning of the text; the beginning
-    /// of the range if nothing else is in it.
+    /// The range without blanks at both ends, and without a byte order mark at the beginning of the text. If the range
+    /// holds nothing else, the result is the empty range at its beginning.
     pub(super) fn trimmed(&self, range: Range<usize>) -> Span {
         let text = self.text.get(range.clone()).unwrap_or_default();
         let is_before = |character| is_blank(character) || character == MARK && range.start == 0;

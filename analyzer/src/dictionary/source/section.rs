@@ -109,7 +109,7 @@ impl<'s> Section<'s> {
         Place { field: name.text(), ..place }
     }
 
-    /// A non-blank attribute; if no attribute has exactly this name, the one that differs only in case.
+    /// A non-blank attribute; if no attribute has exactly this name, the attribute whose name differs only in case.
     pub fn attribute(self, name: &str) -> Option<&'s str> {
         Some(self.attribute_field(name)?.value().trim()).filter(|value| !value.is_empty())
     }

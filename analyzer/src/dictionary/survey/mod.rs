@@ -59,7 +59,7 @@ impl fmt::Display for Answer {
     }
 }
 
-/// The first bytes of a value, and the total number of bytes: people can read this many at a glance.
+/// Shows the first bytes of a value, few enough to be read at a glance, and the total number of bytes.
 struct Bytes<'a>(&'a [u8]);
 
 impl fmt::Display for Bytes<'_> {

@@ -54,7 +54,7 @@ pub(super) fn describe(source: &Source<'_>) -> Result<DeviceDescription, Descrip
     })
 }
 
-/// The data about the file, from the last profile body: the one that describes the communication.
+/// The data about the file, from the last profile body, which describes the communication.
 fn file_info(source: &Source<'_>) -> FileInfo {
     let Some(body) = source.named("ProfileBody").last() else { return FileInfo::default() };
     let text = |name: &str| body.attribute(name).unwrap_or_default().to_owned();

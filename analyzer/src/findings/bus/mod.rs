@@ -1,4 +1,4 @@
-//! Rules about the bus as a whole: who may use which CAN-ID, and how full it is.
+//! Rules about the bus as a whole: the use of its CAN-IDs, and its load.
 
 mod before_boot_up;
 mod duplicate_node_id;

@@ -41,7 +41,7 @@ struct ErrorFlood {
     /// least number of error frames
     #[threshold(count = 10, min = 2)]
     frames: u64,
-    /// longest pause between two of them
+    /// longest pause between two successive error frames
     #[threshold(ms = 500)]
     pause: Duration,
     flood: Option<Flood>,
@@ -52,12 +52,13 @@ struct Flood {
     first: Seen,
     last: Timestamp,
     count: u64,
-    /// Number of frames of the bus up to the first one, and up to the last one.
+    /// Number of frames of the bus up to the first error frame of the flood, and up to the last one.
     frames: [u64; 2],
 }
 
 impl Flood {
-    /// Whether the errors are a considerable part of the traffic: a few in many good frames disturb nobody.
+    /// Whether the errors are a considerable part of the traffic: a few error frames among many good frames disturb
+    /// nobody.
     fn disturbs(&self) -> bool {
         const SHARE: u64 = 4;
         let [first, last] = self.frames;
@@ -66,7 +67,7 @@ impl Flood {
 }
 
 impl ErrorFlood {
-    /// Ends the flood if its last error frame is long enough ago.
+    /// Ends the flood if its last error frame is longer ago than the longest pause; without `now`, ends it at once.
     fn flush(&mut self, now: Option<Timestamp>, sink: &mut Sink<'_>) {
         let ends = |flood: &Flood| now.is_none_or(|now| now.since(flood.last) > self.pause);
         let is_flood = |flood: &Flood| flood.count >= self.frames && flood.disturbs();

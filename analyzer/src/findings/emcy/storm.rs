@@ -27,7 +27,7 @@ struct Storm {
     /// least number of messages
     #[threshold(count = 10, min = 1)]
     times: u64,
-    /// time within which they come
+    /// time within which the messages come
     #[threshold(ms = 1000)]
     within: Duration,
     /// The begin of the counted time, and the number of messages in it.

@@ -12,7 +12,7 @@ pub struct Beats {
     pause: Option<(Timestamp, Timestamp)>,
 }
 
-/// What may explain the silence of a node's TPDOs.
+/// The messages whose pauses may explain the silence of a node's TPDOs.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Reasons {
     /// SYNC.
@@ -22,7 +22,7 @@ pub struct Reasons {
 }
 
 impl Beats {
-    /// An interval is a pause if it is longer than this, and than several intervals like the one before.
+    /// An interval is a pause if it is longer than this time, and longer than four times the interval before it.
     const PAUSE: Duration = Duration::from_secs(1);
 
     /// Handles a message.
@@ -36,7 +36,8 @@ impl Beats {
         self.interval = interval;
     }
 
-    /// Whether the messages stopped and came again with a silence from `since` to `until`, or were still silent then.
+    /// Whether the messages had a pause from `since` to `until`, or stopped at `since` and had not come again for most
+    /// of this time. The times may differ by `margin`.
     fn explains(&self, since: Timestamp, until: Timestamp, margin: Duration) -> bool {
         let near = |a: Timestamp, b: Timestamp| a.since(b).max(b.since(a)) <= margin;
         let is_silent = |last: Timestamp| near(last, since) && until.since(last).times(2) > until.since(since);
@@ -46,7 +47,7 @@ impl Beats {
 }
 
 impl Reasons {
-    /// Whether SYNC, or RPDOs that came again and again, were silent from `since` to `until` too.
+    /// Whether SYNC was silent from `since` to `until` too, or RPDOs of which many had come before.
     pub fn explain(&self, since: Timestamp, until: Timestamp, margin: Duration) -> bool {
         const OFTEN: u32 = 20;
         let received = self.received.count >= OFTEN && self.received.explains(since, until, margin);

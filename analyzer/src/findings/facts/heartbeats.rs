@@ -89,12 +89,12 @@ impl Heartbeats {
         rhythm.tell(told);
     }
 
-    /// Makes the next heartbeat of a node, or of all nodes if it is 0, end no interval.
+    /// Starts the intervals of a node, or of all nodes if `node` is 0, anew: the next heartbeat ends no interval.
     fn pause(&mut self, node: u8) {
         self.nodes.named_mut(node).for_each(|(_, rhythm)| rhythm.pause());
     }
 
-    /// Makes the next heartbeats end no intervals.
+    /// Starts the intervals of all nodes anew: the next heartbeats end no intervals.
     pub fn interrupted(&mut self) {
         self.nodes.values_mut().for_each(Rhythm::pause);
     }

@@ -66,7 +66,7 @@ pub struct News {
     pub begins_anew: bool,
     /// Whether the frame is a TPDO of which any parameter is known.
     pub is_known_tpdo: bool,
-    /// What a TPDO shows that is unusual.
+    /// The unusual event of a TPDO that the frame shows.
     pub stream: StreamEvent,
     /// The TPDOs that begin anew after the frame.
     restart: Option<Restart>,
@@ -284,8 +284,8 @@ impl Facts {
         }
     }
 
-    /// A node has booted with a new node-ID, so the old one will not return. If no message tells the old node-ID, it
-    /// belongs to the only node that was reset and is silent since.
+    /// A node has booted with a new node-ID, so no message will come with the old node-ID. If no message tells the old
+    /// node-ID, it is that of the only node that was reset and has been silent since.
     fn moved(&mut self, bus: &Bus) {
         let from = bus.events().iter().find_map(|event| match event {
             Event::NodeIdChanged { from, .. } => Some(*from),

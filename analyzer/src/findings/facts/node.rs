@@ -34,7 +34,7 @@ pub struct NodeFacts {
     pub first_boot_up: Option<Timestamp>,
     /// The last boot-up.
     pub last_boot_up: Option<Timestamp>,
-    /// Whether the last boot-up only repeated the one before.
+    /// Whether the last boot-up only repeated the boot-up before it.
     pub repeated_boot_up: bool,
     /// Whether the node has sent a single boot-up at a start, so that a second one is another start.
     pub boots_once: bool,
@@ -45,7 +45,7 @@ pub struct NodeFacts {
     pub has_moved: bool,
 }
 
-/// What error control shows of the last NMT command to a node.
+/// The effect of the last NMT command on a node, as error control shows it.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum Obedience {
     /// The commanded state was not shown yet.
@@ -86,7 +86,7 @@ impl NodeFacts {
         self.first_seen.is_none() || self.is_silent_since_reset()
     }
 
-    /// Whether a boot-up now only repeats the last one: some devices send two at each start.
+    /// Whether a boot-up now only repeats the last boot-up: some devices send two boot-ups at each start.
     pub(crate) fn repeats_boot_up(&self, now: Timestamp) -> bool {
         let same_start = Self::is_recent(self.last_boot_up, now, Self::TWICE) && self.pending_reset.is_none();
         same_start && !self.repeated_boot_up && !self.boots_once
@@ -95,7 +95,8 @@ impl NodeFacts {
     /// Notes a boot-up.
     pub(super) fn booted(&mut self, now: Timestamp) {
         let repeats = self.repeats_boot_up(now);
-        // A node that starts again and again sends a third one as soon as the second.
+        // A node that starts again and again sends a third boot-up as soon after the second as the second after the
+        // first.
         let is_third = self.repeated_boot_up
             && self.pending_reset.is_none()
             && Self::is_recent(self.last_boot_up, now, Self::TWICE);

@@ -30,7 +30,8 @@ impl Operand {
     }
 }
 
-/// Collects the values of the objects in a frame, and returns the profile of its node if it is a registered one.
+/// Collects the values of the objects in a frame, and returns the profile of the frame's node if the profile is
+/// registered.
 pub fn collect(record: &Record, decoded: &Decoded, bus: &Bus, operands: &mut Vec<Operand>) -> Option<u16> {
     operands.clear();
     let node = decoded.node?;

@@ -14,7 +14,7 @@ pub struct Presence {
     alarms: PerNode<Option<Duration>>,
     /// Whether the master has commanded or asked the node since its last message.
     addressed: PerNode<bool>,
-    /// A silence that began before this time proves nothing: frames may be missing there.
+    /// A silence that began before this time proves nothing: frames may be missing in it.
     since: Timestamp,
 }
 
@@ -38,7 +38,7 @@ pub struct Orders {
     pub last_reset: Option<Timestamp>,
     /// The last command of any kind.
     pub last: Option<(Command, Timestamp)>,
-    /// Whether another command preceded the first reset: it may restart the heartbeat's period.
+    /// Whether another command preceded the first reset: such a command may restart the heartbeat's period.
     pub shifts: bool,
 }
 

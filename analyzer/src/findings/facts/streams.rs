@@ -15,7 +15,7 @@ pub struct Streams {
     /// The RPDOs to each node.
     received: PerNode<Beats>,
     sync: Beats,
-    /// At most one for each TPDO.
+    /// The TPDOs that had been silent when they began anew: at most one entry for each TPDO.
     cut: Vec<Cut>,
 }
 
@@ -52,13 +52,13 @@ pub struct Cut {
     pub number: u16,
     /// The TPDO before it began anew.
     pub stream: Stream,
-    /// Its parameters at that time.
+    /// The parameters of the TPDO at that time.
     pub parameters: Parameters,
     /// Time of the last message of the node before: until then the node certainly lived.
     pub until: Timestamp,
-    /// Why it began anew.
+    /// The reason for which the TPDO began anew.
     pub reset: Reset,
-    /// What else may have been silent at that time.
+    /// Other messages that may have been silent at that time.
     pub reasons: Reasons,
 }
 
@@ -87,7 +87,7 @@ pub struct Stream {
     period: u64,
     /// Number of intervals that had the period.
     regular: u32,
-    /// Weight of the intervals that differ from the period: two for each, and one less for each regular one.
+    /// Weight of the intervals that differ from the period: each adds two, and each regular interval takes one off.
     off: u8,
     /// Number of frames with the data of the frame before, while the period was kept: a timer sends them, as no event
     /// has changed the data.
@@ -108,33 +108,33 @@ pub struct Stream {
     pub polled: bool,
     /// Number of times that a regular TPDO came again after a silence of many periods.
     pub pauses: u8,
-    /// The period before the last such silence in nanoseconds; 0 if the period since is known.
+    /// The period before the last silence of many periods, in nanoseconds; 0 if the period since then is known.
     paused: u64,
 }
 
-/// What a TPDO shows that is unusual.
+/// An unusual event of a TPDO.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub enum StreamEvent {
-    /// Nothing.
+    /// Nothing is unusual.
     #[default]
     Usual,
-    /// It has another length than its many frames before.
+    /// The frame has another length than the many frames before it.
     Length {
         /// The length of the frames before.
         before: u8,
         /// Number of these frames.
         times: u32,
     },
-    /// It comes again after a silence of many periods; its period is learned anew.
+    /// The TPDO comes again after a silence of many periods; its period is learned anew.
     Resumed {
         /// Time of the frame before.
         since: Timestamp,
         /// The period.
         period: Duration,
     },
-    /// Since it has resumed it has the same period as before.
+    /// The TPDO has had the same period since the silence as before it.
     Returned,
-    /// Its period is divided into the same two parts again and again.
+    /// The period of the TPDO is divided into the same two parts again and again.
     Divided {
         /// The first part.
         first: Duration,
@@ -148,7 +148,7 @@ impl Stream {
     const STEADY: u32 = 30;
     /// Number of frames with unchanged data that prove a timer.
     const UNCHANGED: u32 = 10;
-    /// A silence of more periods than this is no delay.
+    /// A silence of more than this number of periods is no delay.
     const SILENCE: u64 = 10;
     /// A shorter silence is no pause, however short the period.
     const PAUSE: u64 = 1_000_000_000;
@@ -237,8 +237,8 @@ impl Stream {
         if is_same { StreamEvent::Returned } else { StreamEvent::Usual }
     }
 
-    /// Whether the last two intervals together are the period, and the period is divided as it was before. Equal
-    /// halves are none: one sender that has doubled its rate sends them.
+    /// Whether the last two intervals together are the period, and the period is divided as it was before. Equal halves
+    /// do not count: a sender that has doubled its rate causes them.
     fn divides(&self, interval: u64) -> bool {
         let [earlier, before] = self.before;
         let close = self.period / 16 + 1_000_000;
@@ -255,8 +255,8 @@ impl Stream {
         self.regular >= Self::STEADY && self.unchanged >= Self::UNCHANGED && !self.polled
     }
 
-    /// Whether an interval was as long as the event timer allows: the device sends by it. A device may have lost a timer
-    /// that it was told, such as by a reset.
+    /// Whether an interval was as long as the event timer allows, so that the device sends by its event timer. A device
+    /// may have lost an event timer that it was given, for example by a reset.
     pub fn obeys(&self, timer: Duration) -> bool {
         4 * self.longest >= 3 * timer.nanos()
     }
@@ -314,12 +314,12 @@ impl Streams {
         self.nodes[node].as_deref()?.get(usize::from(number).checked_sub(1)?)
     }
 
-    /// The TPDOs that had been silent when they began anew: of each the longest such silence.
+    /// The TPDOs that had been silent when they began anew, each with its longest silence.
     pub fn cut(&self) -> &[Cut] {
         &self.cut
     }
 
-    /// What may explain the silence of a node's TPDOs.
+    /// The messages whose pauses may explain the silence of a node's TPDOs.
     pub fn reasons(&self, node: NodeId) -> Reasons {
         Reasons { sync: self.sync, received: self.received[node] }
     }
@@ -346,7 +346,7 @@ impl Streams {
         }
     }
 
-    /// Begins anew with TPDOs: they may stop, or have other parameters.
+    /// Makes TPDOs begin anew: they may stop, or have other parameters.
     #[cold]
     pub(super) fn restart(&mut self, restart: Restart) {
         for (_, rows) in self.nodes.named_mut(restart.node) {

@@ -31,7 +31,7 @@ const EFFECTS: &[Effect] = &[
 /// Send switch state global with mode 0 (04h 00h) after each configuration, also after one that failed.
 #[rule(id = "lss/left-in-configuration", severity = Warning, rank = State, services = [Lss, BootUp], leads_to = EFFECTS)]
 struct LeftInConfiguration {
-    /// time without LSS messages after which the slave counts as left
+    /// time without LSS messages after which a slave counts as left in configuration state
     #[threshold(ms = 5000)]
     wait: Duration,
     state: Option<Configuring>,
@@ -39,7 +39,7 @@ struct LeftInConfiguration {
 
 /// Slaves in configuration state.
 struct Configuring {
-    /// The message that switched them.
+    /// The message that switched the slaves to configuration.
     switched: Seen,
     /// The last LSS message.
     last: Seen,

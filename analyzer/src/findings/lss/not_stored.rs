@@ -26,7 +26,7 @@ struct NotStored {
     request: Option<String>,
     /// The master's requests for node-ID and bit rate.
     asked: [String; 2],
-    /// Whether the master looks for slaves without node-ID, to assign one at every start.
+    /// Whether the master looks for slaves without node-ID, to assign a node-ID to them at every start.
     assigns: bool,
 }
 

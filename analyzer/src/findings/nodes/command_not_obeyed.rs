@@ -61,7 +61,8 @@ struct Watched {
     /// The last heartbeat, with its state.
     beat: Option<(Timestamp, State)>,
     disobeyed: Disobeyed,
-    /// The reports about a node that may be the master, until the end shows whether it is.
+    /// The reports about a node that may be the master, until the end of the capture shows whether the node is the
+    /// master.
     doubtful: Vec<Doubt>,
 }
 
@@ -176,7 +177,7 @@ impl CommandNotObeyed {
         let command = Rc::new(context.seen());
         let settle = self.settle;
         for (id, watched) in self.nodes.named_mut(node) {
-            // A repeated command gives no new time: the node has had its time since the first one.
+            // A repeated command gives the node no new time: the time runs from the first command.
             let waits = watched.pending.as_ref().is_some_and(|pending| pending.expected == expected);
             if waits && expected != State::BOOT_UP {
                 continue;
@@ -198,7 +199,7 @@ impl CommandNotObeyed {
     fn shown(&mut self, node: NodeId, state: State, context: &Context<'_>, sink: &mut Sink<'_>) {
         let watched = &mut self.nodes[node];
         let Some(pending) = &mut watched.pending else { return };
-        // A node that appears long after the command was not there to hear it.
+        // A node that appears long after the command was absent when the command came.
         let is_new = context.scene.facts.node(node).last_seen.is_none();
         if is_new && context.now().since(pending.command.time()) > self.patience {
             watched.pending = None;
@@ -302,7 +303,7 @@ impl Rule for CommandNotObeyed {
         for (node, watched) in self.nodes.iter_mut() {
             watched.give_up(node, self.settle, scene, sink);
         }
-        // The only node that does not hear what others obey is the master.
+        // The master is the only node that does not hear a command which the others obey.
         let is_doubtful = |watched: &Watched| !watched.doubtful.is_empty();
         let doubtful = self.nodes.iter().filter(|(_, watched)| is_doubtful(watched)).count();
         let others_obey = self.nodes.iter().any(|(_, watched)| watched.obeyed_all && !is_doubtful(watched));

@@ -56,7 +56,7 @@ struct Consumer {
 #[derive(Default)]
 struct Consumers {
     list: Vec<Consumer>,
-    /// The shortest consumer time that was not reported yet: before it there is nothing to check.
+    /// The shortest consumer time of the consumers without a report: before this time there is nothing to check.
     patience: Option<Duration>,
 }
 

@@ -39,7 +39,7 @@ struct Stop {
 }
 
 impl Stop {
-    /// The numbers of TPDOs that go on although the node should have stopped; those that were queued don't count.
+    /// The numbers of the TPDOs that go on although the node should have stopped; TPDOs that were queued don't count.
     fn goes_on(&self, node: NodeId, scene: &Scene<'_>) -> Vec<u16> {
         const QUEUED: Duration = Duration::from_millis(100);
         let from = self.command.time() + QUEUED;

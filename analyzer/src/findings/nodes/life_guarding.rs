@@ -65,7 +65,7 @@ impl LifeGuarding {
     fn check(&mut self, node: NodeId, next: Option<&Seen>, scene: &Scene<'_>, sink: &mut Sink<'_>) {
         let Some(guarded) = &mut self.nodes[node] else { return };
         let silence = scene.now.since(guarded.request.time());
-        // Most nodes were asked a moment ago; only long silences are worth computing the life time.
+        // Most nodes were asked a moment ago: computing the life time is worthwhile for long silences only.
         if guarded.told && next.is_none() || silence < Duration::from_millis(20) {
             return;
         }

@@ -9,7 +9,7 @@ use crate::{NodeId, PerNode};
 use canvass_macros::rule;
 use canvass_traces::{Duration, Timestamp};
 
-/// Effects: nodes that miss the lost node, and its own messages before and after.
+/// Effects: findings about nodes that miss the lost node, and about messages of the lost node before and after.
 const EFFECTS: &[Effect] = &[
     Effect::never_on(&["nodes/lost", "bus/load", "bus/duplicate-node-id", "lss/left-in-configuration"]),
     Effect::on(&["nodes/consumer-time"]).of_origin().during(SOON, SOON),

@@ -32,7 +32,7 @@ struct RepeatedResets {
     /// least number of boot-ups
     #[threshold(count = 3, min = 1)]
     times: u64,
-    /// time within which they come
+    /// time within which the resets come
     #[threshold(ms = 60_000)]
     within: Duration,
     nodes: PerNode<Restarts>,

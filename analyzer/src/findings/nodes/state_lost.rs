@@ -49,7 +49,8 @@ struct Away {
 }
 
 impl StateLost {
-    /// Completes the text when the node is operational again, told to leave operational, or when the capture ends.
+    /// Completes the text when the node is operational again, when a command tells the node to leave operational, or
+    /// when the capture ends.
     fn back(&mut self, node: NodeId, now: Timestamp, how: &str, sink: &mut Sink<'_>) {
         let Some(Away { since, state }) = self.away[node].take() else { return };
         let length = now.since(since);

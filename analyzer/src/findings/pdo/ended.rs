@@ -67,7 +67,7 @@ enum End {
 /// A silence after which the TPDO came again.
 struct Pause {
     silence: Silence,
-    /// Whether the TPDO had to come; else the pause can only explain others.
+    /// Whether the TPDO had to come; otherwise the pause can only explain the pauses of other TPDOs.
     is_wrong: bool,
     /// Whether the TPDO has its period again.
     returned: bool,
@@ -80,7 +80,7 @@ impl Silence {
         self.until.since(self.since)
     }
 
-    /// Largest time between two ends that have the same reason.
+    /// Largest time between the ends of two TPDOs that stop for the same reason.
     fn margin(&self) -> Duration {
         self.period.times(2) + Duration::from_secs(2)
     }
@@ -111,7 +111,7 @@ impl Silence {
         Self { explained: reasons.explain(self.since, self.until, self.margin()), ..self }
     }
 
-    /// What has happened, with the period.
+    /// The event in words, with the period of the TPDO.
     fn text(&self, scene: &Scene<'_>) -> String {
         let (pdo, length, period) = (PdoNumber::Transmit(self.number), self.length(), self.period);
         let source = if self.told { "its event timer is" } else { "before it came every" };
@@ -143,15 +143,15 @@ const fn event(reset: Reset) -> &'static str {
     }
 }
 
-/// The frame before a silence, if none with its CAN-ID came later.
+/// The last frame before a silence, if no frame with its CAN-ID came later.
 fn last_frame<'a>(silence: &Silence, stream: &Stream, scene: &Scene<'a>) -> Option<Evidence<'a>> {
     scene.latest.get(stream.can_id).filter(|seen| seen.time() == silence.since).map(Seen::evidence)
 }
 
 impl Ended {
-    /// Number of pauses that are kept, of each TPDO: one with more sends from time to time.
+    /// Number of pauses that are kept of each TPDO: a TPDO with more pauses is one that sends only from time to time.
     const PAUSES: u8 = 2;
-    /// Number of pauses that are kept, of all TPDOs.
+    /// Number of pauses that are kept of all TPDOs together.
     const ALL_PAUSES: usize = 256;
 
     /// The silence of a TPDO until `until`, if it is too long.
@@ -205,7 +205,7 @@ impl Ended {
         open.chain(cut).collect()
     }
 
-    /// Keeps a silence with which the TPDO came again.
+    /// Keeps a silence that ended when the TPDO came again.
     fn resumed(&mut self, context: &Context<'_>, since: Timestamp, period: Duration) {
         let Some((node, number, parameters)) = context.tpdo() else { return };
         let facts = context.scene.facts;
@@ -216,7 +216,7 @@ impl Ended {
         let until = context.now();
         let silence = Silence { node, number, since, until, period, told: false, explained: false, end: End::Resumed };
         let silence = silence.with_reasons(&facts.streams.reasons(node));
-        // What is later than its event timer is reported by pdo/period.
+        // The rule pdo/period reports a TPDO that is later than its event timer.
         let is_long = parameters.event_timer.is_none() && silence.length() > self.least;
         let is_wrong = is_long && silence.node_lives(context.scene) && facts.must_send(node, until);
         let frames = [context.previous.cloned(), Some(context.seen())];

@@ -45,7 +45,7 @@ struct SyncMissing {
     gaps: Gaps,
 }
 
-/// Intervals in which SYNC may be missing, until the following ones show whether the period goes on.
+/// Intervals in which SYNC may be missing, until the following intervals show whether the period goes on.
 #[derive(Default)]
 struct Gaps {
     open: Vec<Gap>,
@@ -64,7 +64,7 @@ struct Gap {
     length: Duration,
 }
 
-/// What an interval shows of the gaps before it.
+/// The conclusion from an interval about the gaps before it.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Shows {
     /// The period goes on: SYNC was missing.
@@ -78,11 +78,13 @@ enum Shows {
 impl Gaps {
     /// Maximum number of gaps that are kept.
     const MOST: usize = 8;
-    /// The weight of a longer interval. A producer that catches up sends many shorter ones, which weigh 1.
+    /// The weight of an interval that is longer than the period. A producer that catches up sends at many shorter
+    /// intervals, each with the weight 1.
     const LONGER: u32 = 8;
     /// The weight of intervals that shows a new period.
     const CHANGED: u32 = 4 * Self::LONGER;
-    /// Number of intervals after which a period that has not gone on yet is believed at the end of the capture.
+    /// Number of intervals with the period after which the gaps at the end of the capture are reported, although no
+    /// later interval shows whether the period goes on.
     const BELIEVED: u32 = 10;
 
     fn judge(&mut self, length: Duration) -> Shows {

@@ -32,7 +32,7 @@ struct SyncPdoMissing {
 struct Pdo {
     /// Number of SYNC messages since the TPDO last came; `None` before it has come at all.
     since: Option<u32>,
-    /// The TPDO is due with every n-th SYNC; 0 if it is not synchronous and cyclic.
+    /// The number n if the TPDO is due with every n-th SYNC; 0 if the TPDO is not synchronous and cyclic.
     cycle: u8,
     /// Number of consecutive times that the TPDO came too soon.
     early: u8,
@@ -53,7 +53,8 @@ impl SyncPdoMissing {
         }
     }
 
-    /// Checks a PDO against the SYNC messages before it: a PDO of every n-th SYNC must not come with others.
+    /// Checks a PDO against the SYNC messages before it: a PDO of every n-th SYNC must not come with the SYNC messages
+    /// in between.
     fn pdo(&mut self, node: NodeId, number: u16, context: &Context<'_>, sink: &mut Sink<'_>) {
         let Some(pdo) = pdo_mut(&mut self.pdos, node, number) else { return };
         let passed = pdo.since.replace(0);

@@ -49,7 +49,7 @@ impl Rule for ProtocolViolation {
         if violation == Violation::Unexpected && !self.begun[at] && !is_unsolicited(context) {
             return;
         }
-        // The kind of violation with the side that commits it: the direction of the frame tells.
+        // The kind of violation, and the side that commits it: the direction of the frame shows the side.
         let client = matches!(context.message(), Message::SdoRequest(_) | Message::SdoBlockDownload(_));
         let detail = kind(violation) << 1 | u64::from(client);
         let report = Report::at(context.now()).node(context.node()).detail(detail);

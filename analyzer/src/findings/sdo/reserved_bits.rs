@@ -38,10 +38,10 @@ struct Channel {
     held: Option<Box<(Seen, Fault)>>,
 }
 
-/// What is wrong with a message.
+/// The fault of a message.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Fault {
-    /// These bits of the command byte are reserved.
+    /// Reserved bits of the command byte are set; the number has these bits.
     Bits(u8),
     /// Unused bytes are counted, although the message has no expedited value with a size.
     Unused,

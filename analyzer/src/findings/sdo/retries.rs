@@ -25,7 +25,7 @@ struct Retries {
 struct Repeated {
     first: Seen,
     times: u64,
-    /// Whether one of them was answered.
+    /// Whether one of the requests was answered.
     answered: bool,
 }
 

@@ -46,7 +46,7 @@ impl Rule for TooEarly {
             Message::SdoRequest(_) if context.scene.facts.node(node).is_absent() => {
                 self.early[node].get_or_insert_with(|| Box::new((context.seen(), 0))).1 += 1;
             }
-            // A node that answers is there, even without a boot-up message.
+            // A node that answers is present, even without a boot-up message.
             Message::SdoResponse(_) => self.early[node] = None,
             _ => {}
         }

@@ -10,7 +10,7 @@ use crate::wire::nmt::Command;
 use canvass_macros::rule;
 use canvass_traces::{Duration, Timestamp};
 
-/// Effects: messages that a transfer gets which nobody continues.
+/// Effects: messages that concern a transfer which neither side continues.
 const EFFECTS: &[Effect] = &[Effect::on(&["sdo/protocol-violation", "sdo/aborted"]).of_same_node().spanning(SOON)];
 
 /// an SDO transfer is begun and never finished
@@ -28,10 +28,10 @@ const EFFECTS: &[Effect] = &[Effect::on(&["sdo/protocol-violation", "sdo/aborted
 /// takes the announcement of segments for the value. It must abort a transfer that it does not finish.
 #[rule(id = "sdo/unfinished", severity = Warning, rank = Transfer, services = [Sdo], leads_to = EFFECTS)]
 struct Unfinished {
-    /// silence after which an open transfer counts as left at the end of the capture
+    /// least silence at the end of the capture after which an open transfer counts as abandoned
     #[threshold(ms = 2000)]
     wait: Duration,
-    /// Whether frames may be missing since the last message, and the time from which on none is missing.
+    /// Whether frames may be missing since the last message, and the time since which no frame is missing.
     gap: bool,
     whole_since: Option<Timestamp>,
 }

@@ -101,7 +101,8 @@ fn is_as_stated(stated: &Effect, effect: &Group<'_>, cause: &Group<'_>) -> bool 
         Kinds::Same => effect.kind == cause.kind,
         Kinds::These(kinds) => kinds.contains(&effect.kind),
     };
-    // What has ended before a cause begins can't be its effect, and what goes on without the cause is not either.
+    // A finding that ended before the cause began can't be its effect; nor can a finding that goes on without the
+    // cause.
     let in_time = || match stated.time {
         Time::Any => effect.last() + SETTLE >= cause.first(),
         Time::Never => false,

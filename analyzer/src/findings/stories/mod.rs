@@ -23,7 +23,7 @@ pub struct Story {
 pub struct Consequence {
     /// The indexes of the findings.
     pub findings: Vec<usize>,
-    /// The index of the finding from which they follow.
+    /// The index of the finding from which these findings follow.
     pub of: usize,
 }
 

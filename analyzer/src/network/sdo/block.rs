@@ -88,8 +88,8 @@ impl Run {
 
     /// Whether the transfer's last segment is among the segments up to `sequence`.
     ///
-    /// If a receiver confirms more segments than the capture shows, and less than the whole sub-block, it has
-    /// received the last one, which the capture lacks.
+    /// If a receiver confirms more segments than the capture shows, and less than the whole sub-block, the receiver has
+    /// got the last segment, which the capture lacks.
     fn ends_with(self, sequence: u8) -> bool {
         let latest = self.latest.map_or(0, |segment| segment.sequence);
         match self.latest {
@@ -109,8 +109,8 @@ impl HeldBack {
         self.0.capacity()
     }
 
-    /// Releases the bytes of the first `segments` segments, which count; `keep_last` holds back the last one, because
-    /// only the end message tells how many of its bytes count.
+    /// Releases the bytes of the first `segments` segments, which count; `keep_last` holds back the last of these
+    /// segments, because only the end message tells how many of its bytes count.
     fn release(&mut self, segments: u8, keep_last: bool, mut take: impl FnMut(&[u8])) {
         let confirmed = (usize::from(segments) * 7).min(self.0.len());
         let kept = if keep_last { 7.min(confirmed) } else { 0 };
@@ -137,8 +137,8 @@ impl Channel {
 
     /// The frame as a segment, if the state of the transfer makes it one.
     ///
-    /// After the end of a sub-block only a repetition of its last segment is one: a CAN controller repeats a frame
-    /// whose last bit was disturbed, although other nodes have received it.
+    /// After the end of a sub-block only a repetition of the sub-block's last segment counts as a segment: a CAN
+    /// controller repeats a frame whose last bit was disturbed, although other nodes have received it.
     pub(super) fn as_block_segment(
         &self,
         now: Timestamp,
@@ -277,7 +277,7 @@ impl Channel {
         }
     }
 
-    /// Handles the confirmation of the end while more was due: the capture lacks frames.
+    /// Handles the confirmation of the transfer's end if other messages were due before it: the capture lacks frames.
     fn complete_early(&mut self, step: Step) -> Step {
         self.with(|transfer| transfer.blame(Violation::Unexpected));
         self.complete(step.out_of_place())

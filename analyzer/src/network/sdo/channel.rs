@@ -37,7 +37,7 @@ pub struct Channel {
     pub(super) held_back: HeldBack,
     phase: Phase,
     under_way: UnderWay,
-    /// Number of bytes of long values, taken from a room.
+    /// Number of bytes that long values have taken from a room.
     taken: usize,
 }
 
@@ -67,7 +67,7 @@ pub struct Step {
     pub message: Message,
     /// Whether the frame ended the transfer.
     pub ended: bool,
-    /// Whether the frame ended an open transfer as superseded; the channel keeps that transfer as the left one.
+    /// Whether the frame ended an open transfer as superseded; the channel keeps this transfer in `left`.
     pub superseded: bool,
     /// The rule that the frame breaks.
     pub violation: Option<Violation>,

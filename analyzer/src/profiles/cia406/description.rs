@@ -34,8 +34,8 @@ fn check(check: &mut Check<'_>) {
         );
     }
     let positions = steps.zip(revolutions).and_then(|(steps, revolutions)| steps.checked_mul(revolutions));
-    // A description covers a family of encoders: the default values of 6501h and 6502h, read from one of them, limit
-    // nothing.
+    // A description covers a family of encoders: the default values of 6501h and 6502h, read from one encoder, limit no
+    // other encoder.
     let is_of_all =
         [objects::SINGLE_TURN_RESOLUTION, objects::NUMBER_OF_REVOLUTIONS].map(|index| is_const(check, index));
     if let Some(most) = steps {

@@ -16,7 +16,7 @@ pub struct Maker {
     pub temperature_limits: Option<[Multiplexer; 2]>,
 }
 
-/// A bit whose place depends on the version of the profile, in the low word of 6507h (0302h is 3.2).
+/// A bit whose place depends on the version of the profile. The low word of 6507h holds the version: 0302h is 3.2.
 pub struct SpeedFormat {
     /// The first version of the profile in which the bit has its new place.
     pub from: u16,

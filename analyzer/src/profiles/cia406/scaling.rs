@@ -70,7 +70,7 @@ fn position(device: &dyn Configured, raw: bool) -> Option<Unit> {
     }
 }
 
-/// Whether the scaling function is on: bit 2 of 6000h, and of 6500h, which shows it.
+/// Whether the scaling function is on: bit 2 of 6000h or, if 6000h is unknown, of 6500h.
 fn is_scaled(device: &dyn Configured) -> Option<bool> {
     let operating =
         of(device, objects::OPERATING_PARAMETERS, 0).or_else(|| of(device, objects::OPERATING_STATUS, 0))?;

@@ -56,7 +56,7 @@ pub trait Dialect: Copy + Eq + Hash + Debug + 'static {
     /// The standard's name of command 11h.
     const CONFIGURE_NODE_ID: &'static str;
 
-    /// The part that a bound limits, and how.
+    /// The part that a bound limits, and the side from which the bound limits this part.
     fn limits(bound: Self::Bound) -> (Self::Part, Limit);
     /// The bit rate of a row of table 0, in bit/s; `None` for a row that has none.
     fn bit_rate(index: u8) -> Option<u32>;

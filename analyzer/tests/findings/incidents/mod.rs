@@ -1,4 +1,5 @@
-//! Networks of 3 to 20 nodes, healthy ones and ones with one fault each. The first story must name what broke first.
+//! Networks of 3 to 20 nodes, healthy ones and ones with one fault each. The first story must name the fault from which
+//! the other findings follow.
 //!
 //! `cargo xtask incidents` runs a thousand of each kind and prints the table of `docs/diagnose.md`; the tests run
 //! fewer.

@@ -1,4 +1,4 @@
-//! Pseudo-random numbers, the same ones for the same seed.
+//! Pseudo-random numbers: the same seed gives the same numbers.
 
 /// Marsaglia's xorshift.
 pub struct Random(u64);

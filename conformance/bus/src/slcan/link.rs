@@ -92,8 +92,8 @@ fn serial(path: &str) -> io::Result<Link> {
     Ok(Link { reader: Box::new(port), writer: Box::new(writer) })
 }
 
-/// A serial port of Windows. Reading and writing use one handle, so a write would wait for a read in progress. So the
-/// port is read only after it reports bytes.
+/// A serial port of Windows. Reading and writing use one handle, so a write would wait for a read in progress. So a
+/// read begins only after the port reports bytes.
 #[cfg(all(feature = "serial", windows))]
 struct Asked(Box<dyn serialport::SerialPort>);
 

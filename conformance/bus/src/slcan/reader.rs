@@ -15,8 +15,8 @@ use std::time::{Duration, Instant};
 /// Timeout of an answer while no command was answered yet: some programs never answer.
 const PATIENCE: Duration = Duration::from_millis(300);
 
-/// Timeout of an answer once a command was answered. It is long because a late answer would be taken for that of the
-/// next command.
+/// Timeout of an answer once a command was answered. It is long because a late answer would be taken for the answer to
+/// the next command.
 const ANSWER: Duration = Duration::from_secs(2);
 
 /// Interval between two attempts to reopen a lost adapter.

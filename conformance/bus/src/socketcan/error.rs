@@ -35,7 +35,7 @@ pub enum SocketCanError {
     Down {
         /// The name of the interface.
         interface: String,
-        /// The command that brings it up.
+        /// The command that brings the interface up.
         command: String,
     },
     /// This process is not allowed to do it.

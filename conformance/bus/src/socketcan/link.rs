@@ -26,7 +26,7 @@ pub struct Link {
     pub transmit_queue: u32,
     /// The bit rate in bit/s; `None` for a virtual interface, or if the bit rate was never set.
     pub bit_rate: Option<u32>,
-    /// The state of the controller; `None` for an interface without one, such as `vcan` and `vxcan`.
+    /// The state of the controller; `None` for an interface without controller, such as `vcan` and `vxcan`.
     pub state: Option<ControllerState>,
     /// The controller's counters of transmit and receive errors.
     pub error_counters: Option<(u16, u16)>,

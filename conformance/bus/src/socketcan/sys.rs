@@ -22,7 +22,8 @@ const SO_MEMINFO: libc::c_int = 55;
 pub(super) const BATCH: usize = 64;
 /// Length of a CAN FD frame.
 const FRAME: usize = libc::CANFD_MTU;
-/// Space for `SCM_TIMESTAMPING` (64 bytes) and `SO_RXQ_OVFL` (24), in u64 for their alignment.
+/// Number of u64 in the space for `SCM_TIMESTAMPING` (64 bytes) and `SO_RXQ_OVFL` (24 bytes), with reserve; u64 gives
+/// the alignment.
 const CONTROL: usize = 32;
 
 /// A `CAN_RAW` socket, which never blocks.

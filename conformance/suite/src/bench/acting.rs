@@ -30,7 +30,8 @@ impl Bench<'_> {
         self.manual().is_some_and(|model| model.sheet().storage.persist_at_once.contains(&at))
     }
 
-    /// Whether the user's leave covers writing an object: it moves no zero point, and is not stored at once.
+    /// Whether the user's permissions cover writing an object: a write that moves a zero point needs the permission for
+    /// presets, a write that is stored at once needs the permission for non-volatile memory.
     pub(crate) fn may_write(&self, at: Multiplexer) -> bool {
         let allows = |touch: Touch| self.options.allow.contains(&touch);
         (!self.moves_zero_point(at) || allows(Touch::Preset)) && (!self.stores_at_once(at) || allows(Touch::Nvm))
@@ -39,7 +40,7 @@ impl Bench<'_> {
     /// Refuses to send a frame that would move a zero point or write the memory at once, unless the user allows it.
     /// While the tester puts a device back it never moves a zero point, except in [`Bench::put_back_zero_point`].
     ///
-    /// This is the last guard: cases ask for leave by their `touches`, before they begin.
+    /// This is the last check: a case asks for the user's permission by its `touches`, before it begins.
     pub(super) fn check_leave(&mut self, frame: &Frame) -> Result<(), Stop> {
         let Some(at) = self.written_by(frame) else { return Ok(()) };
         if self.moves_zero_point(at) {

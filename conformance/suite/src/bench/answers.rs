@@ -55,7 +55,7 @@ impl Bench<'_> {
         Ok(())
     }
 
-    /// Runs `act` without judging the answers: the tester only finds out what the device has.
+    /// Runs `act` without judging the answers: the tester only finds out which objects and features the device has.
     pub(crate) fn unjudged<T>(&mut self, act: impl FnOnce(&mut Self) -> T) -> T {
         let mark = self.log.mark();
         let result = act(self);
@@ -85,7 +85,8 @@ fn untidy(response: &Response, frame: &Frame) -> Option<Breach> {
     Some(breach.expected(Bytes(clean.data()).to_string()).told(Bytes(frame.data()).to_string()))
 }
 
-/// Number of bytes of an answer that the standard fixes. For bytes without data it only says that they hold none.
+/// Number of bytes of an answer that the standard fixes. Of bytes without data the standard says only that they hold no
+/// data.
 fn carried(response: &Response) -> usize {
     match response {
         Response::UploadSegment(segment) => 1 + segment.data().len(),

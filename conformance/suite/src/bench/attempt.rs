@@ -15,7 +15,7 @@ pub struct Attempt {
     pub multiplexer: Multiplexer,
     /// The transfer in words: `download of 1 byte to 1000h:00`.
     pub what: String,
-    /// How the transfer ended.
+    /// The outcome of the transfer.
     pub outcome: Outcome,
     /// The server's frames in the order in which they came.
     pub responses: Vec<Frame>,
@@ -35,7 +35,8 @@ pub struct Reply {
 }
 
 impl Attempt {
-    /// This attempt, with what the case did before or meanwhile added to its words: `in the middle of a download`.
+    /// This attempt, with a circumstance in its words, such as `in the middle of a download`: an action of the case
+    /// before or meanwhile.
     #[must_use]
     pub fn under(mut self, circumstance: &str) -> Self {
         self.what = format!("{} {circumstance}", self.what);

@@ -87,7 +87,7 @@ impl Baseline {
 }
 
 impl Bench<'_> {
-    /// Runs `act` with leave to move a zero point back to its place.
+    /// Runs `act` with the permission to move a zero point back to its place.
     pub(crate) fn with_leave_to_move<T>(&mut self, act: impl FnOnce(&mut Self) -> T) -> T {
         let before = std::mem::replace(&mut self.changes.moving_zero_point, true);
         let result = self.uncancelled(act);
@@ -175,8 +175,8 @@ pub(crate) fn settle_memory(bench: &mut Bench<'_>, touches: &[Touch]) {
     }
 }
 
-/// Whether restoring the defaults would move the zero point, so that the case needs the leave to preset to put it back:
-/// the zero point is not the one as delivered, or the device does not show it.
+/// Whether restoring the defaults would move the zero point, so that the case needs the user's permission for the
+/// preset that puts the zero point back: the zero point is not the one as delivered, or the device does not show it.
 pub(crate) fn would_lose_zero_point(bench: &Bench<'_>) -> bool {
     let moved = bench.changes.baseline.stored_zero_point.filter(|zero_point| !zero_point.is_as_delivered());
     let may_preset = bench.options.allow.contains(&Touch::Preset);
@@ -305,7 +305,8 @@ fn moved_in_use(bench: &mut Bench<'_>) -> Option<Moved> {
     before.moved(&now)
 }
 
-/// The loss that the reset at the begin of each case would cause and no case makes good; `None` if no loss is known.
+/// The loss that the reset at the begin of each case would cause, and that no case puts right; `None` if no loss is
+/// known.
 pub fn harm_of_a_reset(bench: &mut Bench<'_>, known: &[(Multiplexer, Vec<u8>)]) -> Option<Harm> {
     let zero_point = bench.changes.baseline.zero_point.filter(|_| !bench.options.zero_point_is_stored);
     if let Some(zero_point) = zero_point.filter(|zero_point| !zero_point.is_as_delivered()) {

@@ -18,12 +18,12 @@ pub(crate) struct Changes {
     journal: Option<Journal>,
     /// The values before the changes of the current case.
     originals: Vec<Original>,
-    /// The values before the changes of earlier cases that could not be put back.
+    /// The values, before earlier cases changed them, of objects that could not be put back.
     unrestored: Vec<Original>,
     /// The device before the run.
     pub(super) baseline: Baseline,
-    /// The tester is putting a zero point back. Apart from cases that may move it, only then it writes an object that
-    /// moves it.
+    /// The tester is putting a zero point back. Only then, and in cases that may move a zero point, the tester writes
+    /// an object that moves a zero point.
     pub(super) moving_zero_point: bool,
     /// The case wrote an object that is stored as soon as it is written.
     pub(super) wrote_memory: bool,

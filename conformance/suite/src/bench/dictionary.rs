@@ -83,8 +83,8 @@ fn described_objects(bench: &Bench<'_>) -> Vec<Multiplexer> {
     readable.map(|(multiplexer, _)| multiplexer).collect()
 }
 
-/// Reads an object of which only the index is known: its sub-index 0, and the sub-indexes that this counts, if there
-/// are any.
+/// Reads an object of which only the index is known: its sub-index 0, and the sub-indexes that sub-index 0 counts, if
+/// there are any.
 fn dump_object(bench: &mut Bench<'_>, index: u16, values: &mut Vec<(Multiplexer, Vec<u8>)>) {
     let Some(first) = value_of(bench, Multiplexer::new(index, 0)) else { return };
     let highest = if let [highest] = first[..] { highest } else { 0 };
@@ -186,8 +186,8 @@ pub(super) fn change(
     Change { multiplexer, name, data_type, nature, before, after }
 }
 
-/// Whether the value is that of the last write, which acted: a preset or another command. Histories, signatures and
-/// clocks have values of their own.
+/// Whether the object acts when it is written, and keeps the value of the last write: a preset or another command.
+/// Histories, signatures and clocks have values of their own.
 fn is_commanded(bench: &Bench<'_>, at: Multiplexer) -> bool {
     let described = bench.target.description.as_ref();
     let entry = described.and_then(|description| description.dictionary.entry(at).ok());

@@ -89,7 +89,8 @@ impl Bench<'_> {
         Ok(!matches!(refusal, Some(AbortCode::READ_ONLY | AbortCode::UNSUPPORTED_ACCESS)))
     }
 
-    /// Whether life guarding can be configured, and no heartbeat that can't be ended rules it out.
+    /// Whether life guarding can be configured, and the device has no heartbeat that can't be ended: such a heartbeat
+    /// rules life guarding out.
     ///
     /// # Errors
     /// The errors of [`Bench::has`].

@@ -1,4 +1,4 @@
-//! The traffic of others and their bus load: the device under test has to work with the rest.
+//! The traffic of others and their bus load: the device under test has to work with the rest of the bus.
 
 use crate::foreign::{ForeignKind, ForeignMessages};
 use canvass_analyzer::NodeId;
@@ -28,7 +28,8 @@ pub(crate) struct Foreign {
     frames: HashMap<(CanId, Form), u64>,
 }
 
-/// The bit rate assumed if it is unknown. It is the highest, so that the actual load is at least the calculated one.
+/// The bit rate that is assumed if the bit rate of the bus is unknown: the highest, so that the actual load is at least
+/// the calculated load.
 const HIGHEST_BIT_RATE: u32 = 1_000_000;
 
 /// Maximum number of identifiers that are distinguished.
@@ -43,7 +44,7 @@ impl Foreign {
         }
     }
 
-    /// The foreign messages that concern the device under test: `kind` gives their meaning for it.
+    /// The foreign messages that concern the device under test: `kind` gives the meaning of a frame for the device.
     pub fn messages(&self, kind: impl Fn(u16, Form) -> Option<ForeignKind>) -> Vec<ForeignMessages> {
         let mut counts: BTreeMap<(ForeignKind, u16), u64> = BTreeMap::new();
         for (&(id, form), count) in &self.frames {

@@ -7,16 +7,16 @@ use canvass_analyzer::Multiplexer;
 use canvass_traces::Duration;
 use std::collections::{BTreeMap, BTreeSet};
 
-/// Whether the device has what a case needs; if not, why not.
+/// Whether the device has the features that a case needs; if not, the reason.
 pub type Met = Result<(), String>;
 
-/// The result of asking for a need. It is kept for the run.
+/// The result of the check of a need, kept for the run.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) enum Found {
     /// The device meets the need, or the reason why not.
     Known(Met),
-    /// The device answered neither like one that has the feature nor like one that lacks it; case `reported_in` reports
-    /// the breach.
+    /// The device answered neither like a device that has the feature nor like a device that lacks it; case
+    /// `reported_in` reports the breach.
     Broken { why: Reason, reported_in: &'static str },
 }
 
@@ -79,8 +79,8 @@ impl Knowledge {
         Self { gone: None, promptness: Promptness::default(), ..self }
     }
 
-    /// Whether the device may be operational: it was so in this run and nothing has since shown that it no longer can
-    /// be, or it does not show its state.
+    /// Whether the device may be operational: it was operational in this run and nothing since has shown that it no
+    /// longer can be, or it does not show its state.
     pub(crate) const fn may_be_operational(&self) -> bool {
         self.shows_no_state || self.was_operational && self.kept_out_since.is_none()
     }

@@ -146,7 +146,7 @@ impl<'a> Bench<'a> {
         self.target.node
     }
 
-    /// The device under test and what is known of it.
+    /// The device under test, with the facts that are known of it.
     pub fn target(&self) -> &'a Target {
         self.target
     }

@@ -118,8 +118,8 @@ impl Bench<'_> {
         Ok(())
     }
 
-    /// Whether the device starts: it sends its boot-up message, or, if it is known to send none, answers again.
-    /// Otherwise each reset of such a device would take the longest time of a start.
+    /// Whether the device starts: it sends its boot-up message, or, if it is known to send no boot-up message, answers
+    /// again. Otherwise each reset of such a device would take the longest time of a start.
     fn has_started(&mut self) -> Result<bool, Stop> {
         if !self.knowledge.starts_silently {
             return Ok(self.wait_for_boot_up()?.is_some());
@@ -229,7 +229,7 @@ impl Bench<'_> {
     }
 
     /// Whether the device becomes operational after a reset without a command: 1F80h or an object of the manufacturer
-    /// can cause that. A device that does not show its state counts as one that may. One more reset finds this out,
+    /// can cause that. A device that does not show its state counts as such a device. One more reset finds this out,
     /// once in a run.
     pub(crate) fn starts_by_itself(&mut self) -> Result<bool, Stop> {
         if let Some(known) = self.knowledge.starts_by_itself {

@@ -104,7 +104,7 @@ impl Bench<'_> {
         Ok(if willing.is_empty() { found } else { willing })
     }
 
-    /// Whether the device accepts a write of an object's current value. Found out once per object.
+    /// Whether the device accepts a write of an object's current value. The bench finds this out once per object.
     fn takes_its_own(&mut self, scratch: &Scratch) -> Result<bool, Stop> {
         if let Some(known) = self.knowledge.willing.get(&scratch.multiplexer) {
             return Ok(*known);
@@ -115,7 +115,7 @@ impl Bench<'_> {
         Ok(takes)
     }
 
-    /// Objects that RPDOs carry are made to be written. Returns one of each length.
+    /// Objects that RPDOs carry, one of each length: such objects are made to be written.
     fn received_objects(&mut self) -> Result<Vec<Scratch>, Stop> {
         let mut found: Vec<Scratch> = Vec::new();
         for mapped in self.rpdo_objects() {
@@ -217,8 +217,7 @@ impl Bench<'_> {
 
     fn is_long(&mut self, multiplexer: Multiplexer, at_least: usize) -> Result<bool, Stop> {
         let attempt = self.upload(multiplexer)?;
-        // The size that the server announces decides, not the bytes that it then sends: these are for the cases to
-        // judge.
+        // The size that the server announces decides; the cases judge the bytes that it then sends.
         let announced = attempt.responses.first().and_then(|frame| Response::read(frame.data()).ok());
         Ok(match announced {
             Some(Response::InitiateUpload { payload: Payload::Segmented(size), .. }) => size as usize >= at_least,

@@ -100,7 +100,7 @@ impl Bench<'_> {
     }
 
     /// Changes communication parameters while the PDO is off, and switches it on again with its CAN-ID. A timer that
-    /// the device does not have is off: 0 is not written to it.
+    /// the device does not have counts as off: the tester writes no 0 to it.
     ///
     /// # Errors
     /// [`Stop::Inconclusive`] if the device refuses a write.

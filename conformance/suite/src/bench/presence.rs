@@ -1,5 +1,5 @@
 //! The nodes on the bus: whether the device is still there, since a device that was switched off fails no case, and
-//! which others are.
+//! which other nodes there are.
 
 use super::{Bench, Met};
 use crate::touch::Touch;
@@ -12,8 +12,8 @@ use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_traces::Duration;
 use std::collections::BTreeSet;
 
-/// Time for which the tester looks for a device that has left before each case. It is short, so that a run still comes
-/// to its end.
+/// Time for which, before each case, the tester looks for a device that has left. It is short, so that a run still
+/// comes to its end.
 const LOOK: Duration = Duration::from_millis(250);
 
 impl Bench<'_> {

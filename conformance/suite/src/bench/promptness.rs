@@ -1,5 +1,5 @@
-//! How promptly the device answers cheap requests. A device without processor time is late as a whole, and its times
-//! say nothing about its clock.
+//! The time that the device takes to answer cheap requests. A device without processor time is late as a whole, and its
+//! times say nothing about its clock.
 
 use super::sdo::DEVICE_TYPE;
 use super::{Bench, HOST_LATE};
@@ -27,7 +27,7 @@ pub(super) struct Promptness {
     longest: Duration,
     /// The longest time in the run.
     longest_of_run: Duration,
-    /// Number of reads in the run, and number of those that took much longer than usual.
+    /// Number of reads in the run, and number of reads that took much longer than usual.
     reads: u32,
     late: u32,
 }

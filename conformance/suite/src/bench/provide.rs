@@ -18,7 +18,8 @@ const ERROR_REGISTER: Mapped = Mapped { at: Multiplexer::new(object::ERROR_REGIS
 const TRIED: usize = 4;
 
 impl Bench<'_> {
-    /// Makes sure that TPDO 1 is on and has a mapping. If it is not so as delivered, it is set up for this case.
+    /// Makes sure that TPDO 1 is on and has a mapping. If the delivered TPDO 1 is off or empty, the bench sets it up
+    /// for this case.
     ///
     /// # Errors
     /// The errors of [`Bench::has_all`].

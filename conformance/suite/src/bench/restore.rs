@@ -18,9 +18,9 @@ pub(super) const STORE: Multiplexer = Multiplexer::new(object::STORE_PARAMETERS,
 pub type Rescue = fn(&mut Bench<'_>, bool) -> Result<(), Stop>;
 
 impl Bench<'_> {
-    /// Whether the device stores what is written without a command: bit 1 of 1010h:01 (CiA 301, 7.5.2.13). A reset then brings
-    /// no earlier value back. Only a value whose other bits are 0 says how the device stores (table 51): some give back what
-    /// was written last.
+    /// Whether the device stores written values without a command: bit 1 of 1010h:01 (CiA 301, 7.5.2.13). A reset then
+    /// brings no earlier value back. Only a value whose other bits are 0 says how the device stores (table 51): some
+    /// devices return the value that was written last.
     ///
     /// # Errors
     /// A breach if 1010h:01 can't be read though it is there.
@@ -111,8 +111,9 @@ pub(super) fn left_behind(bench: &mut Bench<'_>, known: &[Change]) -> Vec<Change
 /// The commands that give the device these values again, in an order in which it accepts them. Objects that act are
 /// left out: writing them restores nothing.
 ///
-/// `before`: the values that were in use. Where `stored` differs, the memory comes first: a restart brings the other stored
-/// values, so that storing takes only these, and the values that were in use are written after it.
+/// `before`: the values that were in use. If `stored` differs from them, the memory comes first: a restart loads the
+/// other stored values, so that the command to store changes only the values of `stored`. The values that were in use
+/// are written afterwards.
 pub(super) fn commands(
     bench: &Bench<'_>,
     bus: &str,

@@ -35,9 +35,11 @@ struct RewriteStep {
 /// The order within a communication object.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug)]
 enum Order {
-    /// Switches off with the current identifier: bits 0 to 29 of a valid COB-ID must not change (7.5.2.17, 7.5.2.37).
+    /// Switches the communication object off with its current identifier: bits 0 to 29 of a valid COB-ID must not
+    /// change (7.5.2.17, 7.5.2.37).
     SwitchOff,
-    /// Writes the own identifier while still off: some devices accept an identifier only this way.
+    /// Writes the communication object's own identifier while it is still off: some devices accept an identifier only
+    /// this way.
     OwnIdentifier,
     Parameter,
     MappingOff,
@@ -84,7 +86,7 @@ pub(super) fn write_back(bench: &mut Bench<'_>, originals: &[Original]) -> Vec<O
     again.into_iter().filter(|original| !has_again(bench, original)).cloned().collect()
 }
 
-/// Whether an object has its value again. An object that can't be read has not.
+/// Whether an object has its value again. An object that can't be read counts as changed.
 fn has_again(bench: &mut Bench<'_>, original: &Original) -> bool {
     let now = bench.upload(original.multiplexer).map(|attempt| attempt.outcome);
     matches!(now, Ok(Outcome::Uploaded(value)) if value == original.value)

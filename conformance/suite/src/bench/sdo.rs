@@ -130,7 +130,8 @@ impl Bench<'_> {
     }
 
     /// Checks that a write had an effect: the consequences of a write prove nothing about a device that confirms it and
-    /// does nothing. Checked once per object in a run, when it first gets a value other than the one before the case.
+    /// does nothing. The bench checks this once per object in a run, when the object first gets a value other than the
+    /// one before the case.
     ///
     /// # Errors
     /// [`Stop::Inconclusive`] if the object still has its earlier value.

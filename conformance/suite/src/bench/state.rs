@@ -51,7 +51,7 @@ impl Heartbeats {
 }
 
 impl Bench<'_> {
-    /// The abilities of the device's heartbeat producer. Found out once.
+    /// The abilities of the device's heartbeat producer. The bench finds them out once.
     ///
     /// # Errors
     /// The errors of [`Bench::upload`].
@@ -261,7 +261,7 @@ impl Bench<'_> {
     }
 
     /// The state according to the last sign of life within `span`: an error control message, or a PDO, which is sent
-    /// only in operational. The whole span is waited for, because it also shows which other nodes there are.
+    /// only in operational. The tester waits for the whole span, because it also shows which other nodes there are.
     fn heard_state(&mut self, span: Duration) -> Result<Option<State>, Stop> {
         let (node, mut state) = (self.node(), None);
         let cob_id = error_control::CAN_ID_BASE + u16::from(node.raw());

@@ -28,14 +28,15 @@ pub struct Target {
     pub deviations: Vec<Deviation>,
     /// Cases whose failures do not count yet.
     pub quarantines: Vec<Quarantine>,
-    /// Whether the device is simulated from its description alone, so that each failure is one of the description.
+    /// Whether the device is simulated from its description alone, so that each failure is a failure of the
+    /// description.
     pub described_alone: bool,
 }
 
 /// The options of a test. A bundle of evidence contains them, except those that only concern the tester's machine.
 #[derive(Clone, PartialEq, Eq, Debug, Default, Serialize, Deserialize)]
 pub struct Options {
-    /// The actions that the user allows, beyond those without lasting effects.
+    /// The actions that the user allows, beyond the actions without lasting effects.
     pub allow: BTreeSet<Touch>,
     /// The maximum waits.
     pub timing: Timing,
@@ -147,7 +148,7 @@ impl Target {
         Self::with_faults(model, node, Faults::NONE)
     }
 
-    /// The device of [`Target::of`], with the faults of these that change its description. Faults of the firmware
+    /// The device of [`Target::of`], with those of the faults that change its description. Faults of the firmware
     /// change nothing here.
     pub(crate) fn with_faults(model: &Model, node: NodeId, faults: Faults) -> Self {
         Self::with_firmware(model, node, faults.into())

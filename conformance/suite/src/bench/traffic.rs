@@ -32,7 +32,7 @@ pub(crate) struct Traffic<'a> {
     annotate: &'a mut dyn Annotate,
     cancel: &'a AtomicBool,
     node: NodeId,
-    /// The time at which the time limit of the run ends it.
+    /// The time at which the time limit ends the run.
     ends: Timestamp,
     evidence: Evidence,
     pub(crate) watch: Watch,
@@ -100,8 +100,8 @@ impl<'a> Traffic<'a> {
     }
 
     /// Time by which a frame may be late, or the next frame early after it, only because of the bus: the longest frame
-    /// may occupy the wire when the frame is due, and the frame itself takes its time. If the bit rate is unknown, it
-    /// is assumed to be 125 kbit/s.
+    /// may occupy the wire when the frame is due, and then the frame itself occupies the wire. If the bit rate is
+    /// unknown, it is assumed to be 125 kbit/s.
     pub(crate) fn bus_delay(&self) -> Duration {
         /// A 29-bit frame of eight bytes with all its stuff bits, and the intermission.
         const LONGEST: u64 = 160;
@@ -195,7 +195,7 @@ impl<'a> Traffic<'a> {
         }
     }
 
-    /// Whether the device under test sent a frame, with its node-ID or with one that it was given.
+    /// Whether the device under test sent a frame, with its node-ID or with a node-ID that it was given.
     fn is_own(&self, frame: &Frame) -> bool {
         let of_given = || frame.cob_id().and_then(NodeId::of_cob_id).filter(|&node| self.watch.is_given(node));
         is_from(self.node, frame) || of_given().is_some_and(|node| is_from(node, frame))

@@ -10,7 +10,7 @@ use canvass_analyzer::wire::sdo::{self, Request};
 use canvass_traces::{Direction, Duration, Record, Timestamp};
 use std::collections::BTreeSet;
 
-/// Maximum time between two boot-up messages of the same start: only the boot-up cases judge the second one.
+/// Maximum time between two boot-up messages of the same start: only the boot-up cases judge the second message.
 pub(super) const SAME_START: Duration = Duration::from_millis(500);
 
 /// Maximum number of EMCYs that are remembered, enough even for a storm.
@@ -40,7 +40,7 @@ pub struct Watch {
     emergencies: Vec<(Timestamp, Emcy)>,
     provoked: bool,
     others: BTreeSet<NodeId>,
-    /// Node-IDs that the tester gave to the device under test: a node that uses one of them is not another one.
+    /// Node-IDs that the tester gave to the device under test: a node that uses one of them is not another node.
     given: BTreeSet<NodeId>,
     stores: u32,
     /// Whether the case has stored something.
@@ -111,7 +111,7 @@ impl Watch {
         let Some(node) = NodeId::of_cob_id(cob_id) else { return };
         let is_error_control = cob_id & 0x780 == error_control::CAN_ID_BASE;
         if node != self.node {
-            // Heartbeats and boot-ups are certain signs that the node is there.
+            // Heartbeats and boot-ups are certain signs that the node is present.
             if is_error_control && !self.given.contains(&node) {
                 self.others.insert(node);
             }
@@ -209,7 +209,7 @@ impl Watch {
         &self.others
     }
 
-    /// Forgets what belongs to one case.
+    /// Forgets the events that belong to one case.
     pub fn forget(&mut self) {
         self.restarted = None;
         self.second_boot_up = None;
@@ -227,11 +227,11 @@ impl Watch {
 pub(super) enum MemoryCommand {
     /// "save" to 1010h, or LSS store configuration.
     Store,
-    /// "load" to 1011h, which marks the defaults there.
+    /// "load" to 1011h: the device marks in its memory that the defaults are to be loaded.
     Load,
 }
 
-/// The command of an own frame; `None` if it is another one.
+/// The command of an own frame; `None` if the frame is another one.
 pub(super) fn memory_command(cob_id: u16, data: &[u8], node: NodeId) -> Option<MemoryCommand> {
     if cob_id == lss::MASTER_CAN_ID {
         let stores = lss::Request::read(data) == Ok(lss::Request::StoreConfiguration);
@@ -335,7 +335,7 @@ mod tests {
         }
     }
 
-    /// Sixteen errors are enough of a storm. The end of an error does not count, nor does an error of another node.
+    /// Of a storm of errors sixteen are kept. The end of an error does not count, nor does an error of another node.
     #[test]
     fn the_first_errors_are_kept() {
         let mut watch = Watch::new(NodeId::new(63).unwrap());

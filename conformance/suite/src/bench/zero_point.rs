@@ -1,4 +1,4 @@
-//! The position of the zero point, and how it is put back: at rest, to the step.
+//! The position of the zero point, and how the tester puts it back: while the device is at rest, exactly to the step.
 
 use super::profile;
 use super::sdo::number;

@@ -25,7 +25,7 @@ pub enum RunEvent<'a> {
     },
     /// A case has ended.
     CaseFinished(&'a CaseReport),
-    /// The object dictionary was read again. Only if a case has run.
+    /// The object dictionary was read again, which happens only if a case has run.
     DictionaryCompared(&'a Comparison),
     /// The foreign messages of the whole run, if there were any.
     OtherClients(&'a [ForeignMessages]),

@@ -71,8 +71,8 @@ fn run_undisturbed(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
     }
 }
 
-/// Repeats a case whose failure the device's lateness can cause. The failure counts unless a repetition does not have it: then
-/// the case is inconclusive, `doubt` tells why, and the frames of the failure stay its evidence.
+/// Repeats a case whose failure the device's lateness can cause. The failure counts unless it does not come again in a
+/// repetition: then the case is inconclusive, `doubt` tells why, and the frames of the failure stay its evidence.
 fn confirmed(bench: &mut Bench<'_>, case: &'static Case, mut failed: CaseReport, doubt: Reason) -> CaseReport {
     for number in 1..=CONFIRMATIONS {
         if bench.is_cancelled() {
@@ -89,8 +89,8 @@ fn confirmed(bench: &mut Bench<'_>, case: &'static Case, mut failed: CaseReport,
     failed
 }
 
-/// Whether a repetition passed, or was kept from a verdict by the device's lateness alone. One that could not begin may lack
-/// what the failure has left behind: it is no reason to doubt the failure.
+/// Whether a repetition passed, or was kept from a verdict by the device's lateness alone. A repetition that could not
+/// begin, perhaps because of what the failure has left behind, is no reason to doubt the failure.
 fn has_not_come_again(verdict: &Verdict) -> bool {
     match verdict.kind() {
         Kind::Pass | Kind::Tolerated | Kind::Deviation => true,
@@ -120,7 +120,7 @@ fn may_wear_out(case: &Case) -> bool {
     case.touches.iter().any(|touch| matches!(touch, Touch::Nvm | Touch::FactoryDefaults | Touch::Preset))
 }
 
-/// Whether a repetition may meet a quieter moment: others that send to the device all the time leave none.
+/// Whether a repetition may meet a quieter moment: others that send to the device all the time leave no quiet moment.
 fn may_end_otherwise(report: &CaseReport) -> bool {
     let Some(End::Inconclusive(reason)) = report.verdict.end() else { return false };
     let come_and_go = report.foreign.iter().any(|sent| sent.kind.may_keep_out());

@@ -18,7 +18,7 @@ pub struct Masking {
     pub tried: usize,
     /// Number of these pairs in which the fault added a breach.
     pub shown: usize,
-    /// Number of these in which the model deviates in the same case without the fault.
+    /// Number of these pairs in which the model deviates in the same case without the fault.
     pub beside_deviations: usize,
     /// Faults that added a breach without failing the case.
     pub masked: Vec<Masked>,

@@ -2,7 +2,7 @@
 //!
 //! Each fault is put into the firmware of its model, and every case runs against a device of its own. A fault is
 //! detected if a case that names it fails. A case that fails without naming the fault must belong to the chapter of a
-//! case that does; otherwise it judges something outside its subject.
+//! case that names it; otherwise the failing case judges something outside its subject.
 
 mod liberties;
 mod masking;
@@ -292,7 +292,7 @@ fn judge_machine(
     report
 }
 
-/// A firmware of a model that several cases judge in turn. Each case uses the knowledge of the earlier ones about the
+/// A firmware of a model that several cases judge in turn. Each case uses the knowledge of the earlier cases about the
 /// device.
 pub struct Tried {
     model: &'static Model,
@@ -315,8 +315,9 @@ impl Tried {
     }
 }
 
-/// The chapter of a case. Services that can't be distinguished from outside share one: a device shows its NMT state by
-/// its heartbeats, and its objects by its SDO server, so a fault of one of them shows in the cases of all.
+/// The chapter of a case. Services that can't be distinguished from outside share a chapter: a device shows its NMT
+/// state by its heartbeats, and its objects by its SDO server, so a fault of one service shows in the cases of all
+/// these services.
 fn chapter(case: &'static Case) -> &'static str {
     match case.family() {
         "301/nmt"

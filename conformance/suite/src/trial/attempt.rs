@@ -93,8 +93,9 @@ mod tests {
     use crate::scripted::{table, with_options};
     use canvass_traces::Duration;
 
-    /// Without the user's leave, a device that does not start is reset, brought to pre-operational and reset again;
-    /// with it, its node-ID is restored, and it is reset again. After the end of the run nothing more is tried.
+    /// If the user has not allowed changes of the node-ID, a device that does not start is reset, brought to
+    /// pre-operational and reset again. If the user has allowed them, the tester then restores the node-ID and resets
+    /// the device once more in the same way. After the end of the run nothing more is tried.
     #[test]
     fn a_node_id_is_looked_for_with_leave_only() {
         let resets = |allow: &[Touch], limit: Option<Duration>| {

@@ -1,5 +1,5 @@
-//! A case that needs the device operational says nothing about a device that can't be: the cases on its state report
-//! that, or the case after which the device no longer could.
+//! A case that needs the device operational says nothing about a device that can't become operational. The cases on its
+//! state report this fault, or the case after which the device could no longer become operational.
 
 use super::Trial;
 use crate::bench::{Bench, KeptOut};

@@ -12,7 +12,7 @@ use canvass_traces::Duration;
 /// Removes the breaches that the lateness of the device may have caused, if its cheap answers were as late. The
 /// lateness may also be why a precondition was not reached.
 pub(super) fn judge(mut trial: Trial, bench: &mut Bench<'_>) -> Trial {
-    // An open case fails nobody; a device that has left is not late.
+    // An open case never fails; a device that has left is not late.
     let is_open = trial.case.level == Level::Open;
     if !trial.has_asked || trial.has_left || bench.knowledge.has_gone() || is_open || trial.is_void() {
         return trial;

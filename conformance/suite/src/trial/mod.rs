@@ -105,8 +105,8 @@ impl Trial {
         matches!(self.end, Some(End::NotApplicable(_) | End::Error(_)))
     }
 
-    /// Removes the breaches that have an excuse. The excuse of the first makes the case inconclusive. Returns whether
-    /// there was one.
+    /// Removes the breaches that have an excuse. The excuse of the first of these breaches makes the case inconclusive.
+    /// Returns whether any breach had an excuse.
     fn excuse(&mut self, excuse: impl Fn(&Breach) -> Option<Reason>) -> bool {
         let mut first = None;
         self.breaches.retain(|breach| match excuse(breach) {

@@ -29,7 +29,8 @@ fn described_so(bench: &Bench<'_>, case: &Case, verdict: &Verdict) -> Option<Str
     is_it.then(|| format!("the device is simulated as {model} describes it: the fault is in that description"))
 }
 
-/// The breach with its grade: a breach of what the standard leaves open is recorded and never fails.
+/// The breach with its grade. If the standard leaves the behaviour open, the breach is recorded and never fails the
+/// case.
 fn graded(breach: Breach, case: &Case) -> Breach {
     if case.level == Level::Open { breach.open() } else { breach }
 }

@@ -49,7 +49,7 @@ pub enum End {
     Error(Reason),
 }
 
-/// Who announces that a device differs from the standard.
+/// The authority that announces a difference of the device from the standard.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Authority {
     /// The manufacturer: the device's own manual.

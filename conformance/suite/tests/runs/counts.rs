@@ -246,7 +246,7 @@ fn cases_about_the_description_need_no_device() {
     assert_eq!(events, ["started: 1 cases on can0, seed 9", "1 of 1: 306/file/test", "pass", "finished: 1"]);
 }
 
-/// A device that was operational is operational again after the run; another is left as after power-on.
+/// A device that was operational is operational again after the run; any other device is left as after power-on.
 #[test]
 fn a_device_that_was_operational_is_so_again() {
     let started = |state: &'static str| {

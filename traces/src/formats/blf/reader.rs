@@ -262,7 +262,7 @@ impl BlfReader {
         content.and_then(|content| self.take(content, place))
     }
 
-    /// Unpacks a container; its content is appended to the rest of the container before.
+    /// Unpacks a container, and appends its content to the rest of the container before.
     fn container(&mut self, header: BaseHeader) -> Result<Option<Record>, Damage> {
         let place = self.place();
         if header.size < (BASE_HEADER + container::HEADER) as u32 {

@@ -1,4 +1,4 @@
-//! What follows the bytes of a frame on candump's console.
+//! The text after the bytes of a frame on candump's console.
 
 use super::start;
 use crate::Record;
@@ -7,10 +7,10 @@ use crate::grammar::{Expected, Parsed, hex_byte};
 
 pub(super) const NO_SURPLUS: &str = "the end of the line after as many bytes as the brackets tell";
 
-/// What follows the bytes of a frame.
+/// The text after the bytes of a frame.
 #[derive(Clone, Copy)]
 pub(super) enum Behind<'a> {
-    /// Nothing, or what candump writes there.
+    /// Nothing, or a text that candump writes itself.
     Usual,
     /// Bytes beyond the length in brackets.
     Surplus(&'a [u8]),
@@ -33,7 +33,7 @@ pub(super) fn behind<'a>(last: &[u8], text: &'a [u8], len: usize) -> Parsed<'a, 
 fn is_remark(text: &[u8], len: usize) -> bool {
     let is_marked = match text {
         [b'#' | b';' | b'<', ..] | [b'/', b'/' | b'*', ..] | [b'-', b'-' | b'>', ..] => true,
-        // An arrow or a letter of another language. A damaged byte does not give one.
+        // An arrow or a letter of another language: a damaged byte gives neither.
         [first, ..] if !first.is_ascii() => std::str::from_utf8(text).is_ok(),
         _ if b"ERRORFRAME".starts_with(text) => false,
         _ => len > 0 && begins_with_word(text),

@@ -18,7 +18,7 @@ pub(super) struct Clock {
 }
 
 impl Clock {
-    /// Number of small times without a step back, after which a step back is one of the clock.
+    /// Number of small times without a step back, after which a step back is a step of the clock.
     const ENOUGH: usize = 20;
 
     /// Guesses the origin from the buffered lines, before the first one is read.

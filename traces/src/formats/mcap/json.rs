@@ -7,7 +7,7 @@ use base64::engine::general_purpose::STANDARD;
 use serde_json::{Map, Value};
 use std::borrow::Cow;
 
-/// How to read the messages of a JSON channel.
+/// The plan for reading the messages of a JSON channel.
 #[derive(Clone, Debug)]
 pub(crate) struct JsonPlan {
     shape: Shape,
@@ -18,7 +18,7 @@ pub(crate) struct JsonPlan {
 }
 
 impl JsonPlan {
-    /// The plan for a JSON schema, or for messages without one; `None` if its messages are no CAN frames.
+    /// The plan for a JSON schema, or for messages without a schema; `None` if the messages are no CAN frames.
     pub(crate) fn new(name: &str, schema: &[u8]) -> Option<Self> {
         let named_fd = Shape::is_named_fd(name);
         let schema: Option<Value> = serde_json::from_slice(schema).ok();

@@ -155,7 +155,7 @@ enum Use {
 /// The fields that have a use, by their numbers.
 type Plan = Vec<(u64, Use)>;
 
-/// How to read the messages of a protobuf channel.
+/// The plan for reading the messages of a protobuf channel.
 #[derive(Clone, Debug)]
 pub(crate) struct ProtobufPlan {
     plan: Plan,

@@ -65,8 +65,8 @@ struct McapReader {
     messages: u64,
     /// The number of messages according to the file's own statistics.
     statistics: Option<Box<records::Statistics>>,
-    /// The code of the record before. With `summary`, whether the summary has begun, it determines which records are
-    /// allowed.
+    /// The code of the record before. Together with `summary`, whether the summary has begun, this code determines
+    /// which records are allowed.
     previous: Option<u8>,
     summary: bool,
     pending: VecDeque<Damage>,
@@ -136,8 +136,8 @@ impl McapReader {
         result
     }
 
-    /// Skips a record without frames, if a record with this content is allowed at this place. If it is not, it may be a
-    /// message with a damaged code, and is reported.
+    /// Skips a record without frames, if a record with this content is allowed at this place. Any other record is
+    /// reported: it may be a message with a damaged code.
     fn aside(&mut self, code: u8, length: u64, previous: Option<u8>) -> Result<Option<Record>, Damage> {
         let place = self.place();
         let head = RECORD_HEADER + usize::try_from(length.min(LONGEST)).unwrap_or_default();

@@ -40,7 +40,8 @@ pub(super) fn of(finding: &Finding, source: &Source<'_>, description: &DeviceDes
     None
 }
 
-/// Whether the file may announce more objects than it describes; the file alone can't tell.
+/// Whether the file announces more objects than it describes. The file alone can't tell whether the device has these
+/// objects.
 fn announces_more(finding: &Finding, source: &Source<'_>) -> bool {
     let announced = source.field_in(finding.line).and_then(|field| number::value_of(field.value()));
     announced > described(finding).map(i128::from)
@@ -67,7 +68,7 @@ fn entries(section: Section<'_>) -> Vec<(u32, Field<'_>)> {
     section.all_fields().filter_map(|field| Some((field.name().parse().ok()?, field))).collect()
 }
 
-/// The entries of the list with the finding.
+/// The entries of the list in which the finding lies.
 fn entries_around<'s>(finding: &Finding, source: &'s Source<'_>) -> Option<Vec<(u32, Field<'s>)>> {
     source.section_at(finding.span.start).map(entries)
 }

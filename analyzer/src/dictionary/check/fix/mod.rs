@@ -1,4 +1,4 @@
-//! Fixes without guessing: each edit belongs to its rule. Comments and order stay.
+//! Fixes that need no guessing: each edit belongs to its rule. Comments and the order of the lines stay.
 
 mod lines;
 mod lists;

@@ -110,7 +110,7 @@ struct Comparison<'a> {
     description: &'a DeviceDescription,
     survey: &'a Survey,
     node: NodeId,
-    /// Entries whose value is reported with their PDO, and so not again.
+    /// Entries whose value is already reported with their PDO: no second difference reports it.
     told: BTreeSet<Multiplexer>,
     found: Vec<Mismatch>,
 }

@@ -1,7 +1,7 @@
 //! Makes a description from a device's answers, as a start if none exists.
 //!
-//! Standard objects get the standard's names, types and access. Those of other objects are guessed from the values
-//! read, and marked as guesses. Limits remain unknown.
+//! Standard objects get the standard's names, types and access. The names, types and access of other objects are
+//! guessed from the values read, and marked as guesses. Limits remain unknown.
 
 mod access;
 mod device;

@@ -1,4 +1,4 @@
-//! The data type of an entry: the standard's if it fits, else one of the value's length.
+//! The data type of an entry: the standard's type if it fits, else a type of the value's length.
 
 use super::{Facts, Guess};
 use crate::dictionary::data_type::{DataClass, DataType};
@@ -24,7 +24,8 @@ pub(super) fn of(facts: &Facts<'_>, at: Multiplexer, counts: bool) -> (DataType,
     }
 }
 
-/// The type of the value's length that is closest to the standard's: later versions of a profile have longer values.
+/// The type with the value's length that is closest to the standard's type: later versions of a profile have longer
+/// values.
 fn of_length(standard: DataType, bytes: &[u8]) -> DataType {
     let same = |data_type: &&DataType| data_type.class() == standard.class() && data_type.bytes() == Some(bytes.len());
     match standard.class() {

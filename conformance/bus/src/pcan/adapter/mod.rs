@@ -53,8 +53,8 @@ const PATIENCE: Duration = Duration::from_millis(2_000);
 /// Interval between two attempts to send. A frame of 8 bytes takes 0.1 ms at 1 Mbit/s.
 const ROOM: std::time::Duration = std::time::Duration::from_micros(500);
 
-/// Maximum duration of a change of the bit rate: closing and opening the channel, and the same to return to the old
-/// one.
+/// Maximum duration of a change of the bit rate: closing and opening the channel, and doing so again to return to the
+/// old bit rate.
 const CHANGE: std::time::Duration = std::time::Duration::from_secs(5);
 
 impl Pcan {

@@ -93,7 +93,7 @@ impl Receiver {
             done(silent).map_err(failed("make a listener of"))?;
         }
         done(library.initialize(channel, registers)).map_err(failed("open"))?;
-        // Older libraries and some adapters lack one of these; the bus works without them.
+        // Older libraries and some adapters lack one of these parameters; the bus works without them.
         for wanted in [Parameter::ALLOW_STATUS_FRAMES, Parameter::ALLOW_ERROR_FRAMES, Parameter::BUS_OFF_RESET] {
             library.switch_on(channel, wanted);
         }

@@ -7,7 +7,7 @@ use canvass_analyzer::wire::{error_control, nmt, pdo, sdo, sync, time};
 use canvass_analyzer::{CobId, Multiplexer, NodeId, object};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The CAN-IDs that the device listens to and those that it sends.
+/// The CAN-IDs on which the device listens, and the CAN-IDs with which it sends.
 #[derive(Clone, Debug)]
 pub struct Addresses {
     node: NodeId,

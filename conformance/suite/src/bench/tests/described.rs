@@ -108,8 +108,8 @@ fn scratch_objects_are_those_that_do_nothing() {
     assert_eq!(with_bench(dictionary(Vec::new()), |bench| bench.scratch_objects()), Ok(Vec::new()));
 }
 
-/// An object that is described as writable but refused serves only if all are refused. This is found out once, and put
-/// back.
+/// An object that is described as writable, but refuses to be written, serves only if all objects refuse. The bench
+/// finds this out once, and puts the value back.
 #[test]
 fn an_object_that_is_refused_does_not_serve() {
     let target = described(&[("1017", "DataType=0x0006"), ("100C", "DataType=0x0006")]);
@@ -365,7 +365,7 @@ fn a_tpdo_is_set_up_with_the_best_object() {
         vec![row(0x1800, 1, &[0xBF, 1, 0, valid]), row(0x1A00, 0, &[count]), row(0x1A00, 1, &[0; 4])]
     };
     let target = of(&[register, read, written]);
-    // Off first if the PDO is on, then the entry, the count, and on with its own CAN-ID.
+    // The PDO is first switched off if it is on; then come the entry, the count, and the PDO with its own CAN-ID.
     let provided = |valid: u8| {
         on(&target, rows(valid, 0), |bench| {
             assert_eq!(bench.provide_tpdo(), Ok(Ok(())));

@@ -52,7 +52,7 @@ fn a_dictionary_is_put_back() {
         let untouched = dictionary::put_back_dictionary(bench, "sim:test", &before);
         assert!(untouched.is_as_found() && untouched.is_complete && untouched.commands.is_empty(), "{untouched:?}");
         assert_eq!(untouched.objects, before.len());
-        // The write counts as one of somebody else: the bench keeps no earlier value.
+        // The write counts as a write of somebody else: the bench keeps no earlier value.
         bench.write(heartbeat_time, &[0xE8, 3]).unwrap();
         bench.changes.take();
         let back = dictionary::put_back_dictionary(bench, "sim:test", &before);

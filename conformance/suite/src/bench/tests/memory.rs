@@ -106,8 +106,8 @@ fn restored_defaults_do_not_stay() {
     });
 }
 
-/// A device that does not store restored defaults still has in its memory what a case has stored before. No reset shows
-/// that, only power-off.
+/// A device that does not store restored defaults still has in its memory the values that a case has stored before. No
+/// reset shows these values, only power-off.
 #[test]
 fn what_restored_defaults_hide_does_not_stay() {
     on("lika-ax58", None, &[Touch::Nvm, Touch::FactoryDefaults], |bench| {
@@ -131,14 +131,14 @@ fn what_restored_defaults_hide_does_not_stay() {
     });
 }
 
-/// Stored values that can't be put back are reported with the commands that do it, memory first, even if the user had
-/// not allowed writing it.
+/// Stored values that can't be put back are reported with the commands that put them back, memory first, even if the
+/// user had not allowed writing the memory.
 #[test]
 fn a_memory_that_is_not_as_it_was_is_told() {
     on("reference-301", None, &[], |bench| {
         let dictionary = at_work(bench);
         bench.write(HEARTBEAT, &[50, 0]).unwrap();
-        // The store counts as one of somebody else.
+        // The store counts as a store of somebody else.
         bench.write(STORE, b"save").unwrap();
         let comparison = baseline::put_back_device(bench, "sim:x", false, &dictionary);
         let stored: Vec<(String, Option<Vec<u8>>)> =
@@ -182,8 +182,8 @@ fn a_zero_point_that_a_case_stored_is_put_back() {
     });
 }
 
-/// On a firmware that stores presets by itself, the zero point is put back with leave to preset but without leave to
-/// store.
+/// On a firmware that stores presets by itself, the zero point is put back if the user allows presets, even if the user
+/// does not allow stores.
 #[test]
 fn a_zero_point_that_stays_by_itself_is_put_back() {
     on("reference-406", Some(Fault::PresetPersists), &[Touch::Preset], |bench| {
@@ -196,7 +196,8 @@ fn a_zero_point_that_stays_by_itself_is_put_back() {
     });
 }
 
-/// Only a case that was allowed to moves a zero point. The movement is reported to the step, with the manual remedy.
+/// Only a case that was allowed to move a zero point moves it. The movement is reported to the step, with the manual
+/// remedy.
 #[test]
 fn a_zero_point_that_moved_is_told_and_not_put_back() {
     let moved = |bench: &mut Bench<'_>| {
@@ -225,7 +226,7 @@ fn a_zero_point_that_moved_is_told_and_not_put_back() {
     });
 }
 
-/// Restoring the defaults moves a zero point that a preset has set, so it needs the leave to preset, too.
+/// Restoring the defaults moves a zero point that a preset has set, so the user must have allowed presets, too.
 #[test]
 fn defaults_are_not_restored_over_a_zero_point_without_leave() {
     let loses = |allow: &[Touch], position: Option<u32>| {
@@ -247,7 +248,7 @@ fn defaults_are_not_restored_over_a_zero_point_without_leave() {
     assert!(!loses(&[Touch::FactoryDefaults], None), "it is that of the delivery");
 }
 
-/// On an encoder that stores each write at once, writing needs the leave to write its memory.
+/// An encoder that stores each write at once is written only if the user allows writing its memory.
 #[test]
 fn what_is_stored_at_once_is_written_with_leave_only() {
     const OPERATING_PARAMETERS: Multiplexer = Multiplexer::new(0x6000, 0);
@@ -264,8 +265,8 @@ fn what_is_stored_at_once_is_written_with_leave_only() {
     assert_eq!((written(&[]), written(&[Touch::Preset]), written(&[Touch::Nvm])), (false, false, true));
 }
 
-/// The journal says that the memory was written, though no command to store was sent: who restores the device after a kill
-/// writes its memory, too, and names a preset that only power-on shows.
+/// The journal says that the memory was written, though no command to store was sent: a restore after the tester was
+/// killed writes the memory, too, and names a preset that only power-on shows.
 #[test]
 fn a_value_that_is_stored_at_once_is_in_the_journal() {
     const TIMER: Multiplexer = Multiplexer::new(0x6200, 0);

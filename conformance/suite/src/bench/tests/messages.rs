@@ -183,7 +183,7 @@ fn long_objects_are_read_in_segments() {
     });
 }
 
-/// Objects in the description are not asked for; others the device decides.
+/// The description decides without a request whether an object exists; without a description the device decides.
 #[test]
 fn objects_are_there_or_not() {
     on_device(|bench| {

@@ -173,7 +173,7 @@ fn sync_is_made_plain() {
     });
 }
 
-/// A device that is delivered with its TPDO off or empty gets one.
+/// A device whose TPDO is delivered off or empty gets a TPDO for the case.
 #[test]
 fn a_tpdo_is_provided() {
     on_device(|bench| {

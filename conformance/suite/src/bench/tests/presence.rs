@@ -221,8 +221,8 @@ impl Starter {
     }
 }
 
-/// Whether a device starts by itself is found out once, with one more reset. If its state can't be seen, it counts as
-/// one that does.
+/// Whether a device starts by itself is found out once, with one more reset. If its state can't be seen, it counts as a
+/// device that starts by itself.
 #[test]
 fn a_device_that_starts_by_itself_is_found_out_once() {
     let found = |starter: Starter| {

@@ -103,7 +103,7 @@ fn a_reset_wakes_a_device_that_is_stopped() {
     assert!(matches!(gone, Err(Stop::Inconclusive(_))), "{gone:?}");
 }
 
-/// The longest time of a start is waited only once: later resets end when the device answers again.
+/// The tester waits for the longest time of a start only once: later resets end when the device answers again.
 #[test]
 fn a_device_without_boot_up_message_is_waited_for_once() {
     let unanswered = Rc::new(Cell::new(0));
@@ -289,8 +289,8 @@ fn a_device_that_starts_by_itself_is_noticed() {
     assert_eq!(state(false), (false, Some(State::PRE_OPERATIONAL), 0));
 }
 
-/// Frames before the reset command do not belong to the start. Without a boot-up message, the whole boot-up time is
-/// waited.
+/// Frames before the reset command do not belong to the start. Without a boot-up message, the tester waits for the
+/// whole boot-up time.
 #[test]
 fn a_start_is_recorded_from_its_command_on() {
     let script = |request: &Frame| match request.to_string().as_str() {

@@ -100,7 +100,7 @@ const fn is_single(at: Multiplexer) -> bool {
     matches!(at.index.0, object::COB_ID_TIME | object::COB_ID_EMCY)
 }
 
-/// Requires that the device accepts a COB-ID, and that it reads as it was written.
+/// Requires that the device accepts a COB-ID, and that a read returns it as it was written.
 fn takes(bench: &mut Bench<'_>, at: Multiplexer, cob_id: u32) -> Judged {
     let value = &cob_id.to_le_bytes();
     bench.download(at, value)?.under("with a CAN-ID that is not restricted").refused(Situation::Confirmed)?;
@@ -147,7 +147,7 @@ fn bits_beyond(bench: &mut Bench<'_>) -> Judged {
         }
         bench.each(11..=28, |bench, bit| {
             let attempt = bench.download(at, &(off | 1 << bit).to_le_bytes())?;
-            // A COB-ID that can only be switched on and off is refused for that reason.
+            // A device whose COB-IDs can only be switched on and off refuses this one for that reason.
             let only_switched = attempt.abort() == Some(AbortCode::GENERAL);
             if only_switched { Ok(()) } else { bench.check(attempt.refused(Situation::InvalidValue)) }
         })?;

@@ -60,7 +60,7 @@ fn highest_sub_index(bench: &mut Bench<'_>) -> Judged {
         let Some(beyond) = highest.first().and_then(|highest| highest.checked_add(1)).filter(|&sub| sub < 0xFF) else {
             continue;
         };
-        // Mapping objects count the valid entries: those after them may exist.
+        // Sub-index 0 of a mapping object counts the valid entries: the entries after them may exist.
         if matches!(index, object::RPDO_MAPPING_PARAMETER | object::TPDO_MAPPING_PARAMETER) {
             continue;
         }

@@ -162,8 +162,9 @@ fn listed(bench: &mut Bench<'_>, count: usize) -> String {
     codes.join(", ")
 }
 
-/// Causes several errors and returns their codes in order: losses of the monitored node or master, and after the first,
-/// if that is an error, an RPDO that is too short. So the list differs from its reverse.
+/// Causes several errors and returns their codes in order: losses of the monitored node or master and, after the first
+/// loss, an RPDO that is too short, if the device has an RPDO for which this is an error. So the list differs from its
+/// reverse.
 fn several_errors(bench: &mut Bench<'_>) -> Result<Vec<u16>, Stop> {
     let until_lost = patience(bench)? + Duration::from_millis(600);
     let short = too_short(bench)?;

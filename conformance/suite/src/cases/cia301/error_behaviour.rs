@@ -19,7 +19,8 @@ const CONSUMER_MS: u16 = 200;
 const UNTIL_LOST: Duration = Duration::from_millis(600);
 
 /// The state that an operational device enters when it loses its master or a monitored node: pre-operational by
-/// default, and set so if 1029h:01 can be written; `None` if the device keeps its state or has its own behaviour.
+/// default, and the tester sets this default if 1029h:01 can be written; `None` if the device keeps its state or has
+/// its own behaviour.
 pub(super) fn after_a_loss(bench: &mut Bench<'_>) -> Result<Option<State>, Stop> {
     if bench.can_write(BEHAVIOUR)? {
         bench.write(BEHAVIOUR, &[0])?;

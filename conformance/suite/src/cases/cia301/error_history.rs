@@ -55,7 +55,7 @@ fn reported(bench: &mut Bench<'_>) -> Result<Vec<u16>, Stop> {
     Ok(codes)
 }
 
-/// The codes of EMCYs, without those that report the end of an error.
+/// The codes of EMCYs, without the EMCYs that report the end of an error.
 fn error_codes(heard: &[Record]) -> Vec<u16> {
     heard.iter().filter_map(code_of).map(|code| code.0).filter(|&code| code != 0).collect()
 }

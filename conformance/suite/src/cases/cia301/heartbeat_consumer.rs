@@ -172,7 +172,8 @@ pub(super) fn unnoticed(at: Multiplexer, duty: impl Into<String>, signs: &Signs)
     })
 }
 
-/// Requires that there is no sign of a loss, like [`unnoticed`], if a late tester would cause the loss itself.
+/// Requires that there is no sign of a loss, like [`unnoticed`], in cases where a late tester would cause the loss
+/// itself.
 fn unnoticed_in_time(duty: &'static str, signs: &Signs) -> Check {
     demand(!signs.any(), || {
         let none = Allowed::Count { least: 0, most: Some(0) };

@@ -122,7 +122,7 @@ fn sent_with<const N: usize>(bench: &mut Bench<'_>, can_ids: [u32; N]) -> Result
     Ok(counts)
 }
 
-/// Requires that the COB-ID of a PDO that was switched on reads as it was written.
+/// Requires that the COB-ID of a PDO that was switched on returns the written value when it is read.
 pub(super) fn reads_back(bench: &mut Bench<'_>, pdo: Pdo, written: CobId) -> Judged {
     let right = Observation::Value((written.0 & !CobId::INVALID).to_le_bytes().to_vec());
     let found = Observation::Value(bench.read(pdo.parameter(1))?);

@@ -32,7 +32,7 @@ fn wrong_signature(bench: &mut Bench<'_>) -> Judged {
     Ok(())
 }
 
-/// Whether 1010h covers an object according to the description: it has a sub-index of its own for the group of the
+/// Whether 1010h covers an object according to the description: 1010h has a sub-index of its own for the group of the
 /// object. Otherwise the manufacturer chooses the stored objects.
 fn is_covered(bench: &mut Bench<'_>, object: Multiplexer) -> Result<bool, Stop> {
     match object.index.0 {
@@ -285,7 +285,7 @@ fn reset_at_once(bench: &mut Bench<'_>) -> Judged {
     if is_new[0] == is_new[1] {
         return Ok(());
     }
-    // Unless the device can't store these objects at all.
+    // The breach does not count if the device can't store these objects at all.
     let whole = after_store(bench, &two, 1)?;
     let can_be_stored = whole[0] == two.communication.other && whole[1] == two.application.other;
     let [old, found] = if is_new[0] { [objects[1], objects[0]] } else { [objects[0], objects[1]] };
@@ -319,7 +319,8 @@ fn defaults(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// Resets the device. If its defaults include no node-ID, it gets its own again, if the user allows that.
+/// Resets the device. If the device then has no node-ID, because its defaults include none, the tester gives it its own
+/// again, if the user allows that.
 pub(super) fn restarted(bench: &mut Bench<'_>) -> Judged {
     let reset = bench.reset(Command::RESET_NODE);
     match (reset, crate::cases::cia305::needs::LSS.rescue()) {

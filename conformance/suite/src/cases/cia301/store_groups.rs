@@ -149,7 +149,7 @@ fn after_restore(bench: &mut Bench<'_>, two: &Two, order: Multiplexer) -> Result
     values(bench)
 }
 
-/// Requires that the value after the restore is not the stored one, unless that is also the default.
+/// Requires that the value after the restore is not the stored value, unless the stored value is also the default.
 fn is_default(bench: &Bench<'_>, scratch: &Scratch, now: &[u8]) -> Check {
     let description = bench.target().description.as_ref();
     let default = description.and_then(|description| {

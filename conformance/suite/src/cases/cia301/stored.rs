@@ -1,4 +1,4 @@
-//! Stored values take effect after a reset, rather than only reading back.
+//! Stored values take effect after a reset, and are not only read back.
 
 use super::heartbeat_consumer::entry;
 use crate::bench::Bench;

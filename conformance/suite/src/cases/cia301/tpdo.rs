@@ -57,7 +57,7 @@ fn event_timer(bench: &mut Bench<'_>) -> Judged {
     tpdos(bench, cob_id, period)?;
     let heard = tpdos(bench, cob_id, period.times(PERIODS) + Duration::from_nanos(period.nanos() / 2))?;
     let duty = || format!("with {EVENT_TIMER} = {PERIOD_MS} the TPDO comes every {period}");
-    // Value changes may send the TPDO in between, so only too few are wrong; the gaps are decisive.
+    // Value changes may send the TPDO in between, so only too few TPDOs are wrong; the gaps between them are decisive.
     bench.check(demand(heard.len() as u64 >= PERIODS, || counted(duty(), PERIODS, None, heard.len())))?;
     let gaps = heard.windows(2).map(|pair| match pair {
         [a, b] => b.timestamp.since(a.timestamp),

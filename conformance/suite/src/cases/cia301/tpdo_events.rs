@@ -130,7 +130,7 @@ const SYNCS: usize = 50;
 /// Maximum wait for a synchronous TPDO: the standard limits its delay only by the next SYNC.
 const SYNC_PATIENCE: Duration = Duration::from_millis(500);
 
-/// The time from each of some SYNCs to the following TPDO of type 1, if there is one.
+/// For several SYNC messages, the time from each to the following TPDO of type 1, if there is one.
 fn sync_delays(bench: &mut Bench<'_>) -> Result<Vec<Duration>, Stop> {
     let subject = subject(bench, 1)?;
     let id = bench.sync_id()?;
@@ -393,7 +393,7 @@ fn sync_start(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// Requires that the first TPDO follows the SYNC with this number, and that one follows each later SYNC.
+/// Requires that the first TPDO follows the SYNC with this number, and that a TPDO follows each later SYNC.
 fn begins_with(bench: &mut Bench<'_>, can_id: u16, start: u8) -> Judged {
     let id = bench.sync_id()?;
     operational(bench)?;

@@ -36,7 +36,7 @@ fn pending(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// Why a change was not sent at once: the device sends none, or it is late.
+/// The reason why a change was not sent at once: the device sends no TPDO on a change, or it is late.
 fn sends_no_change_at_once(bench: &mut Bench<'_>, subject: &Subject) -> Result<Stop, Stop> {
     /// A device without processor time is late by up to some seconds.
     const PATIENCE: Duration = Duration::from_secs(2);

@@ -1,5 +1,5 @@
-//! Verify configuration (1020h): a configuration tool leaves date and time, so that a master can check whether the
-//! device still has the known configuration.
+//! Verify configuration (1020h): a configuration tool leaves date and time in the device, so that a master can check
+//! whether the device still has the known configuration.
 
 use crate::bench::Bench;
 use crate::case;

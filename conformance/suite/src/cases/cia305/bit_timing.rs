@@ -73,7 +73,7 @@ fn activate(bench: &mut Bench<'_>) -> Judged {
         let reason = Reason::new("the bit rate of the bus is in table 0", "one of CiA 305", found);
         return Err(Stop::NotApplicable(reason));
     };
-    // The bit rate is the one in use, so that nobody has to follow.
+    // The bit rate is the one in use, so that no other node has to change its bit rate.
     bench.show_state()?;
     configure(bench)?;
     let answer = exchange(bench, Request::ConfigureBitTiming { table: 0, index })?;

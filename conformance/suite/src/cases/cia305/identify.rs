@@ -71,7 +71,7 @@ fn outside(bench: &mut Bench<'_>) -> Judged {
         else {
             return Ok(());
         };
-        // A number without neighbour on this side can't be out of bounds there.
+        // A number that has no neighbour on this side can't be out of bounds there.
         if *bound == value || value == *own {
             return Ok(());
         }

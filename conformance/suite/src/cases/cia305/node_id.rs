@@ -57,7 +57,7 @@ pub(super) fn started_elsewhere(duty: impl Into<String>, expected: u8, booted: O
 }
 
 /// Configures the device's own node-ID, which is in use after a reset. If the device refuses it, reset node loads the
-/// stored one.
+/// stored node-ID.
 pub(super) fn back_to_own(bench: &mut Bench<'_>) -> Result<(), Stop> {
     let own = bench.node().raw();
     configure(bench)?;

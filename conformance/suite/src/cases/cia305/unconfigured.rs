@@ -36,7 +36,7 @@ pub(super) fn unconfigured(bench: &mut Bench<'_>, test: impl FnOnce(&mut Bench<'
             "it keeps its node-ID",
         ))),
     };
-    // A breach in the case comes before a failure to configure the device after it.
+    // A breach in the case takes precedence over a failure to configure the device after it.
     let configured = bench.uncancelled(back_to_own);
     judged.and(configured)
 }

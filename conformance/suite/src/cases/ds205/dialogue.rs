@@ -82,7 +82,7 @@ pub fn address(bench: &mut Bench<'_>) -> Result<[Seven; 3], Stop> {
     Ok(address)
 }
 
-/// Another part of the same kind: the last byte differs, and remains two decimal digits if it was that.
+/// Another part of the same kind: the last byte differs, and remains two decimal digits if it had two decimal digits.
 pub fn other(value: Seven) -> Seven {
     let [a, b, c, d, e, f, last] = value.0;
     let last = if last & 0x0F == 0 { last | 1 } else { last & 0xF0 };

@@ -163,7 +163,7 @@ fn moving(bench: &mut Bench<'_>) -> Judged {
     for _ in 0..20 {
         let position = bench.read_number(POSITION)?;
         positions.push(position);
-        // The maximum movement of the shaft since the preset, with a tenth more, and the time of a reading.
+        // The maximum movement of the shaft since the preset, with the time of a reading and a tenth more.
         let most = per_ms * (bench.now().since(set).as_millis() + 5.0) * 1.1 + 4.0;
         let away = shorter(wanted, position, range).unsigned_abs() as f64;
         if away > most {

@@ -245,7 +245,7 @@ mod tests {
         assert_eq!(unmet(&TURNING_SHAFT, &[]).as_deref(), Some("the device has no position"));
     }
 
-    /// A device that stores a preset at once keeps it over a reset: it is written only with leave.
+    /// A device that stores a preset at once keeps it over a reset: the tester writes it only if the user allows that.
     #[test]
     fn a_preset_that_is_stored_at_once_needs_leave() {
         use crate::bench::{Options, Target};

@@ -1,4 +1,4 @@
-//! The filter between a device and the bus, which makes one thing wrong in the device's frames.
+//! The filter between a device and the bus, which makes one error in the device's frames.
 
 use super::mutant::{Change, FieldChange, FrameChange, Mutant, When};
 use super::primitive::{Primitive, Recognition};

@@ -1,9 +1,9 @@
 //! The wire matrix: each field of each message that a device sends, wrong in each way, at each time.
 //!
 //! The messages and their fields come from the wire types ([`canvass_analyzer::wire::Fields`]), so that the matrix
-//! includes new ones automatically. A mutant is a right device behind a filter. It runs the cases in their usual order
-//! until one fails, without the cases in which its message does not occur. If no frame differs from the right device,
-//! the mutant says nothing.
+//! includes new messages and fields automatically. A mutant is a right device behind a filter. It runs the cases in
+//! their usual order until one fails, without the cases in which its message does not occur. If no frame differs from
+//! the right device, the mutant says nothing.
 
 mod filter;
 mod mutant;

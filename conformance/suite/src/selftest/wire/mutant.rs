@@ -1,4 +1,4 @@
-//! Mutants: one wrong thing that a device does on the bus, given by the message, its part, the change and the time.
+//! Mutants: one error of a device on the bus, given by the message, its part, the change and the time.
 
 use super::primitive::{Primitive, hyphened};
 use canvass_analyzer::wire::Field;

@@ -26,7 +26,8 @@ pub(crate) static SEGMENTED_UPLOAD: Need =
         Ok(found.ok_or_else(|| "no object that was found gives more than 7 bytes".to_owned()))
     });
 
-/// The SDO server supports segmented downloads. It must if an object has more than four bytes (CiA 301, 7.2.4.2.1).
+/// The SDO server supports segmented downloads. It must do so if an object has more than four bytes (CiA 301,
+/// 7.2.4.2.1).
 pub(crate) static SEGMENTED_DOWNLOAD: Need = Need::new("segmented-download", "SDO downloads in segments", |bench| {
     if bench.long_writable().is_some() || bench.long_object(5)?.is_some() {
         return Ok(Ok(()));

@@ -60,7 +60,8 @@ fn one_block(bench: &mut Bench<'_>) -> Result<(Multiplexer, Vec<u8>), Stop> {
 }
 
 /// Writes a string with an error in its only block and requires that the server recovers: it confirms the segments that
-/// came in order, and accepts the rest when it is repeated. `confirmed` may be the last segment, which 0 stands for.
+/// came in order, and accepts the rest when it is repeated. `confirmed` has the segments up to which the server may
+/// confirm; 0 stands for the last segment.
 fn made_good(bench: &mut Bench<'_>, mischief: Mischief, confirmed: &[u8]) -> Judged {
     let (multiplexer, value) = one_block(bench)?;
     let last = u8::try_from(value.len().div_ceil(7)).unwrap_or(u8::MAX);
@@ -116,7 +117,7 @@ fn crc_not_kept(bench: &mut Bench<'_>) -> Judged {
     let with_crc = DownloadManner::right(&scratch.value);
     let (first, _) = bench.block_download(scratch.multiplexer, &scratch.value, with_crc)?;
     first.expect_confirmation().or_inconclusive()?;
-    // The CRC of zeros is 0, like that of a transfer without CRC, so the other value must differ from 0.
+    // The CRC of zeros is 0, like the CRC field of a transfer without CRC, so the other value must differ from 0.
     let without_crc = DownloadManner { crc: false, ..DownloadManner::right(&scratch.other) };
     let (mut second, _) = bench.block_download(scratch.multiplexer, &scratch.other, without_crc)?;
     second.what = format!("{} without CRC after one with CRC", second.what);
@@ -227,7 +228,7 @@ fn segment_repeated(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "301/sdo/block-download/segments-swapped", clause = "CiA 301 7.2.4.3.10", confidence = Cited, level = Must,
        needs = [BlockDownload, LongScratch], catches = [SdoBlockGapAccepted])]
 fn segments_swapped(bench: &mut Bench<'_>) -> Judged {
-    // Of the segments 1 3 2, two were in order, unless the server stops at the first that was not.
+    // Of the segments 1 3 2, two were in order, unless the server stops at the first segment that was not in order.
     made_good(bench, Mischief::Swap(2), &[1, 2])
 }
 

@@ -111,7 +111,8 @@ fn every_length(
     })
 }
 
-/// Parameters of a PDO, and COB-IDs: while they are valid they do not change, whatever is written.
+/// Whether the object is a parameter of a PDO, or a COB-ID: while the PDO or the COB-ID is valid, the device may refuse
+/// any change.
 const fn may_be_in_use(at: Multiplexer) -> bool {
     matches!(
         at.index.0,

@@ -68,7 +68,7 @@ fn is_in_use(bench: &mut Bench<'_>, at: Multiplexer, value: u32) -> Result<bool,
     })
 }
 
-/// Whether the abort code gives a reason other than the value: the device can't store it now.
+/// Whether the abort code gives a reason other than the value: the device can't store the value now.
 fn is_of_the_moment(attempt: &Attempt) -> bool {
     const MOMENT: [AbortCode; 4] =
         [AbortCode::GENERAL, AbortCode(0x0800_0020), AbortCode::LOCAL_CONTROL, AbortCode::DEVICE_STATE];
