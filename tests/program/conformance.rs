@@ -117,6 +117,39 @@ fn cases_that_fail_for_the_same_defect_are_told_together() {
     );
 }
 
+fn ran(report: &Value) -> usize {
+    report["cases"].as_array().unwrap().len()
+}
+
+/// Little time is spent on the cases that find most, and the report says how many are left out.
+#[test]
+fn a_short_run_takes_the_cases_that_find_most() {
+    let tested = run(&["test", "sim:reference-301", "--for", "60s", "--format", "json"]);
+    assert_eq!(tested.status, 0, "{}", tested.stderr);
+    let report = json(&tested.stdout);
+    assert!(report["duration_ns"].as_u64().unwrap() <= 60_000_000_000 && report["cancelled"] == false);
+    assert!((50..300).contains(&ran(&report)), "{}", ran(&report));
+    let told = report["notices"][0].as_str().unwrap();
+    let numbers: Vec<usize> = told.split_whitespace().filter_map(|word| word.parse().ok()).collect();
+    let [run, of, caught, known] = numbers[..] else { panic!("{told}") };
+    assert_eq!(run, ran(&report));
+    // In a seventh of the time more than half of all faults are found.
+    assert!(run * 2 < of && caught * 2 > known, "{told}");
+}
+
+#[test]
+fn a_quick_run_catches_most_faults_with_fewer_cases() {
+    let select = ["--select", "301/sdo"];
+    let report = |more: &[&str]| {
+        let tested = run(&[&["test", "sim:reference-301", "--format", "json"], &select[..], more].concat());
+        json(&tested.stdout)
+    };
+    let (quick, full) = (report(&["--profile", "quick"]), report(&["--profile", "full"]));
+    assert!(ran(&quick) * 3 < ran(&full) * 2, "{} of {}", ran(&quick), ran(&full));
+    assert!(quick["duration_ns"].as_u64() < full["duration_ns"].as_u64());
+    assert_eq!(quick["summary"]["fail"], 0);
+}
+
 #[test]
 fn no_case_is_no_success() {
     let tested = run(&["test", ENCODER, "--select", "nonsense"]);

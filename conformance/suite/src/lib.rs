@@ -22,6 +22,7 @@ pub mod identity;
 pub mod journal;
 pub mod need;
 pub mod needs;
+pub mod order;
 mod profiles;
 pub mod quarantine;
 pub mod runner;

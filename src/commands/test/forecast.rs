@@ -17,6 +17,7 @@ use canvass_device::{Device, Fault, Firmware};
 use canvass_reports::escape::Printable;
 use canvass_suite::bench::{Bench, Options, Target};
 use canvass_suite::case::Case;
+use canvass_suite::order::Timed;
 use canvass_suite::runner::{Plan, RunError, RunEvent, run};
 use canvass_suite::verdict::{Deviation, End, Reason};
 use canvass_traces::{Duration, Record};
@@ -63,6 +64,16 @@ pub fn dry_run(
         }
     }
     Ok(Status::Good)
+}
+
+/// The time that each case takes on the stand-in; without the cases that would not run.
+pub fn timed(args: &Args, cases: &[&'static Case], options: &Options) -> Result<Vec<Timed>, Failure> {
+    let (mut opened, like) = stand_in(args)?;
+    let target = args.target(&opened, Vec::new())?;
+    // On the stand-in nothing has to be spared, and its time costs nothing.
+    let options = Options { limit: None, repeat: 1, journal: None, power_cycle: None, ..options.clone() };
+    let forecast = simulate(&mut opened, &target, cases, &options, like)?;
+    Ok(forecast.run().map(|row| Timed { case: row.case, takes: row.takes }).collect())
 }
 
 /// Refuses outputs that could not be written.

@@ -134,6 +134,7 @@ fn options_of_test(wish: &Wish, target: &Target) -> Vec<Choice> {
         flag("zero-point-stored", false),
         flag("exhaustive", false),
         given("for", []),
+        usual("profile", ["full"]),
     ]
 }
 
