@@ -163,7 +163,7 @@ mod tests {
         }
     }
 
-    /// Options whose value differs although they mean the same, each with why.
+    /// Options that mean the same although their values have different names, each with the reason.
     const SAME: [(&str, &str); 5] = [
         ("fail-on", "changes have classes, findings have severities"),
         ("journal", "restore has to have one; test takes none for nowhere"),
@@ -195,7 +195,7 @@ mod tests {
         }
     }
 
-    /// JSON has one name, and what prints a result has it.
+    /// No command has an option `--json`, and each command that prints a result has the option `--format`.
     #[test]
     fn json_is_a_format_everywhere() {
         let (mut cli, mut seen) = (Cli::command(), BTreeMap::new());

@@ -85,7 +85,7 @@ impl WholeFile {
     }
 }
 
-/// A temporary file in the same folder, so that it can be renamed; hidden, with a name that tells its program.
+/// A hidden temporary file in the same folder, so that it can be renamed. Its name contains the final name of the file.
 fn beside(place: &Path) -> std::io::Result<NamedTempFile> {
     let folder = place.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or_else(|| Path::new("."));
     let name = place.file_name().unwrap_or_default().to_string_lossy();

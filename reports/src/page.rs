@@ -46,7 +46,8 @@ pub fn write(
     out: &mut dyn Write,
     main: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> io::Result<()> {
-    // Our own texts contain no characters that act. Such a character came from outside and was not escaped by mistake.
+    // Our own texts contain no characters that act. If such a character appears here, it came from outside and, by
+    // mistake, was not escaped.
     let mut out = Visible::new(out, false);
     let styles: Vec<&str> = std::iter::once(STYLE).chain(page.styles.iter().copied()).collect();
     let scripts: Vec<&str> = std::iter::once(SCRIPT).chain(page.scripts.iter().copied()).collect();

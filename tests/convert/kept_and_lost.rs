@@ -109,7 +109,7 @@ fn no_raw_dlc(row: RecordContent) -> RecordContent {
     RecordContent { dlc, ..row }
 }
 
-/// Only the fact of an error is left: a bus error, as Linux numbers it.
+/// Reduces an error frame to a bus error, with the error class of Linux.
 fn no_error_detail(row: RecordContent) -> RecordContent {
     if row.is_error { RecordContent { id: 0x80, data: Vec::new(), dlc: 0, ..row } } else { row }
 }

@@ -284,7 +284,7 @@ fn the_selftest_detects_and_counts() {
     assert_eq!(tested.status, 0, "{}{}", tested.stdout, tested.stderr);
     let matrix = json(&tested.stdout);
     let summary = &matrix["summary"];
-    // The matrix has a row for each fault that these cases are meant to detect. Every row is detected, and each of
+    // The matrix has a row for each fault that these cases are meant to detect. Every fault is detected, and each of
     // these cases detects a fault.
     let catalogue = json(&run(&["list", "cases", "--format", "json"]).stdout);
     let cases: Vec<&str> = catalogue.as_array().unwrap().iter().map(|case| case["id"].as_str().unwrap()).collect();

@@ -5,8 +5,8 @@ use crate::running::{Running, canvass, run, simulate, text};
 use serde_json::Value;
 use std::time::Duration;
 
-/// Number of killed runs, distributed over the interfaces. 50 take ten minutes here; over a serial line they are
-/// faster, and run each time (tests/program/killed.rs).
+/// Number of killed runs, distributed over the interfaces. Fifty killed runs take ten minutes here; over a serial line
+/// they are faster, and every test run includes them (tests/program/killed.rs).
 const KILLS: u64 = 15;
 const INTERFACES: [&str; 5] = ["vkill0", "vkill1", "vkill2", "vkill3", "vkill4"];
 

@@ -52,8 +52,8 @@ pub fn descriptions() -> Result<()> {
     crate::describing::describing()
 }
 
-/// Counts the instructions per decoded frame and per simulated exchange by callgrind: they do not depend on the
-/// machine, within an architecture, nor on its load.
+/// Counts the instructions per decoded frame and per simulated exchange by callgrind. The numbers depend neither on the
+/// load of the machine nor, within an architecture, on the machine.
 pub fn instructions() -> Result<()> {
     install(&[VALGRIND])?;
     build()?;
@@ -88,8 +88,8 @@ pub fn instructions() -> Result<()> {
     simulated_instructions()
 }
 
-/// Counts instructions of the examples that exchange SDO messages with simulated devices: `bus_speed` with one device,
-/// and a tenth as often with one of ten; `soak` fuzzes, with a fixed seed.
+/// Counts instructions of the examples that exchange SDO messages with simulated devices. `bus_speed` exchanges them
+/// with one device, and a tenth as many with one of ten devices; `soak` fuzzes with a fixed seed.
 fn simulated_instructions() -> Result<()> {
     build_examples()?;
     println!("\ninstructions per exchange on the simulated bus");

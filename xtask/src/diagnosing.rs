@@ -13,7 +13,7 @@ const HEALTHY_CAPTURE: &str = "target/bench/machine.pcap";
 /// Diagnoses the frames that the other benchmarks decode, and a healthy machine.
 ///
 /// # Errors
-/// If anything is found in the healthy machine, as far as a program can't be run or says something unexpected.
+/// If the diagnosis finds anything in the healthy machine, if a program can't be run, or if its output is unexpected.
 pub fn diagnosing() -> Result<()> {
     println!("\ndiagnosing, processor time");
     let canvass = release("canvass");
@@ -32,7 +32,7 @@ pub fn diagnosing() -> Result<()> {
     healthy(&canvass)
 }
 
-/// The best processor time of each: a shared machine is slow at times, for both.
+/// The best processor time of each command. The commands run in turns, as a shared machine is slow at times, for both.
 fn in_turns(one: &[&str], other: &[&str]) -> Result<(f64, f64)> {
     const TURNS: usize = 9;
     let mut best = (f64::MAX, f64::MAX);

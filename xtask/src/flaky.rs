@@ -68,7 +68,8 @@ fn on_machines(options: &Options) -> Result<()> {
     vcan::on_machines(program, machines, "flaky", &options.words(options.runs.div_ceil(machines)))
 }
 
-/// The path of the program. A machine has it where it lies here, but another working directory.
+/// The path of the program. In a machine of its own this process has another working directory, so that the path is
+/// absolute.
 fn program(options: &Options) -> Result<String> {
     if !options.in_machine {
         return Ok(release("canvass"));

@@ -16,8 +16,8 @@ const FOLDER: &str = "fuzz-targets";
 /// The target that runs twice as long, as descriptions have many more paths.
 const LONG: &str = "description";
 
-/// Maximum size of a single allocation in MiB: a trusted length would allocate more. A container or chunk of a
-/// capture may have 32, in a buffer that grows to 64.
+/// Maximum size of a single allocation in MiB: a parser that trusts a length in its input would allocate more. A
+/// container or chunk of a capture may have 32, in a buffer that grows to 64.
 const MOST_AT_ONCE: &str = "-malloc_limit_mb=128";
 
 /// Number of targets at the same time: CI's machines have two processors.

@@ -26,10 +26,11 @@ const MINUTE: (&str, &str) = ("CANVASS_LOAD_SECONDS", "60");
 
 const IPROUTE: Package = Package { program: "ip", probe: &["-V"], package: "iproute2" };
 
-/// Time without output after which a machine with tests is ended. A minute of the highest load takes a third of it.
+/// Time without output after which a machine with tests is ended. A minute of the highest load takes a third of this
+/// time.
 const FOR_TESTS: Duration = Duration::from_secs(1_800);
-/// The same time for runs on a busy machine, which take three times as long as their own time, and more beside other
-/// work.
+/// Time without output after which a machine with runs of `flaky` is ended. A run takes three times as long as alone,
+/// and longer beside other work.
 const FOR_RUNS: Duration = Duration::from_secs(4 * 3_600);
 
 /// The tests that CI leaves to the night: the verdicts of these models show nothing of SocketCAN that the other four models do not.
@@ -50,7 +51,7 @@ const OPTIMISED: [&str; 7] = ["analyzer", "bus", "device", "fuzzer", "reports", 
 struct Job {
     /// The program under test.
     program: PathBuf,
-    /// The program that is started once for each name: the tests on vcan, or this program itself in [`on_machines`].
+    /// The program that is started: the tests on vcan, or this program itself in [`on_machines`].
     starts: PathBuf,
     /// The arguments of `starts` before and after a test's name.
     arguments: [String; 2],

@@ -16,7 +16,8 @@ enum Effect {
     Value([u8; 3]),
 }
 
-/// Selects the frames that matter for the frames after them. Each gets time for its answer.
+/// Selects the frames that determine the state of the device for later frames. After each selected frame the device
+/// gets time to answer.
 pub(super) fn condense(sent: &[Stimulus], knowledge: &Knowledge) -> Vec<Stimulus> {
     let mut later = BTreeSet::new();
     let mut condensed = Vec::new();

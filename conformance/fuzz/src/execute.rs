@@ -62,10 +62,10 @@ struct Condition {
 /// How a sequence begins, and how long the fuzzer waits after each frame.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Pace {
-    /// The sequence begins with a start, and each frame is followed by enough time to see an answer that must not come.
+    /// The sequence begins with a start. After each frame there is enough time for a forbidden answer to be seen.
     Careful,
-    /// On a live device the sequence begins in the state that the last one has left, if that is known. The next frame
-    /// follows at once if an excess answer would come before the answer to this next frame.
+    /// On a live device the sequence begins in the state that the last sequence has left, if this state is known. The
+    /// next frame follows at once if a forbidden answer would come before the answer to the next frame.
     Swift,
 }
 
@@ -129,8 +129,8 @@ const LATELY: usize = 8;
 const MISSING_ANSWER: u64 = 6;
 
 /// Whether a forbidden answer to the frame is recognised however late it comes. Servers and slaves answer one request
-/// after the other, and the models of SDO and LSS don't mix them up. Other frames may still take effect while the next
-/// one comes.
+/// after the other, so that the models of SDO and LSS know the request of each answer. Other frames may still take
+/// effect when the next frame comes.
 fn shows_late(frame: &Frame) -> bool {
     let is_request = |id| matches!(id, 0x600..=0x67F | lss::MASTER_CAN_ID);
     frame.id().as_standard().is_none_or(|id| is_request(id) && !frame.is_remote())
@@ -264,7 +264,7 @@ impl Executor {
         self.in_time(stand)?;
         let before = stand.bus().health();
         let goes_on = match std::mem::replace(&mut self.condition.left, Left::Unknown) {
-            // A violation that is being shown again must not begin in the state that the try before has left.
+            // A sequence that shows a known violation again must not begin in the state that the previous try has left.
             Left::AtRest if !self.known.presumes() => true,
             Left::AtRest | Left::Recoverable if !self.is_recovery_faster() => false,
             Left::AtRest | Left::Recoverable => {
@@ -347,7 +347,7 @@ impl Executor {
         Ok(())
     }
 
-    /// Resets the device after the last sequence, and says whether that has brought it back.
+    /// Resets the device after the last sequence. The result says whether the reset has brought the device back.
     ///
     /// # Errors
     /// [`BusError`] if the bus fails.

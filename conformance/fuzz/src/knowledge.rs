@@ -93,8 +93,7 @@ pub struct Patience {
     pub quiet: Duration,
     /// Maximum time from a reset to the boot-up message.
     pub boot: Duration,
-    /// Tolerance of times measured here. Device timers tick in milliseconds, and the measuring computer is sometimes
-    /// late.
+    /// Tolerance of measured times. Device timers tick in milliseconds, and the measuring computer is sometimes late.
     pub jitter: Duration,
 }
 
@@ -307,12 +306,12 @@ impl Services {
     }
 }
 
-/// Whether the value read differs from the value written by the purpose of the object.
+/// Whether an object, by its purpose, returns another value than the one written to it.
 fn has_a_life_of_its_own(at: Multiplexer) -> bool {
     matches!(at.index.0, object::ERROR_REGISTER | object::MANUFACTURER_STATUS_REGISTER | object::PREDEFINED_ERROR_FIELD | object::STORE_PARAMETERS | object::RESTORE_DEFAULT_PARAMETERS | object::HIGH_RESOLUTION_TIME_STAMP | object::VERIFY_CONFIGURATION | 0x1023..=0x1026 | 0x1F50..=0x1F57)
 }
 
-/// Bit 1 of 1010h:01: what is written is stored without a command (CiA 301, 7.5.2.13).
+/// Whether the device stores written values without a command: bit 1 of 1010h:01 (CiA 301, 7.5.2.13).
 fn stores_by_itself(description: &DeviceDescription) -> bool {
     let entry = description.dictionary.entry(Multiplexer::new(object::STORE_PARAMETERS, 1));
     let default = entry.ok().and_then(|entry| entry.default.as_ref()?.fixed()?.to_raw());

@@ -190,7 +190,7 @@ impl SequenceTree {
     fn accepted(&mut self) {
         self.progress = true;
         match &mut self.step {
-            // The frames before are gone already, so longer ends need no try.
+            // The frames before the kept end are gone already, so that longer ends need no try.
             ShrinkStep::Last { .. } => self.step = ShrinkStep::NoPauses,
             ShrinkStep::Remove { length, from } | ShrinkStep::Wait { length, from } => {
                 *from = from.saturating_sub(stride(*length));

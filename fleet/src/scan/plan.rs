@@ -129,7 +129,7 @@ impl Task {
     }
 }
 
-/// Sends batches to whoever polls the partition.
+/// Sends batches to the reader of the partition.
 struct Channel {
     sender: Sender<Result<RecordBatch>>,
     metrics: BaselineMetrics,

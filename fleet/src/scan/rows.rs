@@ -51,7 +51,7 @@ pub trait OfFrames {
     /// Whether there may be frames that give no rows.
     fn may_refuse(&self) -> bool;
 
-    /// Whether neither this frame, the latest one, nor any frame like it gives rows.
+    /// Whether neither this frame, which is the latest, nor any frame like it gives rows.
     fn refuses(&mut self, frame: Understood<'_>, steady: Steady) -> bool;
 
     /// Reports `frames` skipped frames before the next frame; `Break` if no more are wanted.

@@ -48,7 +48,7 @@ pub fn height(blocks: &[Block]) -> usize {
 struct Printer<'a> {
     out: &'a mut dyn Write,
     style: Style,
-    /// Whether there is an empty line above, or nothing.
+    /// Whether the output is empty or ends with an empty line.
     is_apart: bool,
 }
 
@@ -64,7 +64,7 @@ impl Printer<'_> {
         writeln!(self.out, "{:indent$}{text}", "")
     }
 
-    /// Writes an empty line, unless there is one already or nothing above.
+    /// Writes an empty line, unless the output is empty or ends with an empty line.
     fn apart(&mut self) -> io::Result<()> {
         if self.is_apart { Ok(()) } else { self.line(0, "") }
     }

@@ -63,7 +63,7 @@ pub struct Words {
 }
 
 impl Words {
-    /// The words of decoders. Each decoder begins without context.
+    /// The meanings of the frames of a violation, by decoders that begin without context.
     pub fn of(found: &Found, decoder: &mut dyn FnMut() -> Box<dyn Annotate>) -> Self {
         let mut annotate = decoder();
         let evidence: Vec<String> = found.evidence.iter().map(|record| annotate.annotate(record)).collect();

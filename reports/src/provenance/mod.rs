@@ -200,7 +200,7 @@ impl Provenance {
     }
 }
 
-/// The options, as many in a line as fit. The first line has the name.
+/// The options in lines, each with as many options as fit. Only the first line has a name.
 fn lines(settings: &[Fact]) -> impl Iterator<Item = Fact> {
     /// Maximum width of a line in columns.
     const WIDTH: usize = 110;

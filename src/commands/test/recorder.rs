@@ -112,7 +112,8 @@ impl Recorder {
         }
     }
 
-    /// The capture needs a frame before the marker, whose time the marker gets.
+    /// Adds a marker frame of CiA's test tool. The marker gets the time of the frame before it, so that none is added
+    /// before the first frame.
     fn cct_marker(&self, case: &'static Case, verdict: Option<Verdict>) {
         if self.cct_markers && self.frames.load(Ordering::Relaxed) > 0 {
             let (group, number) = place_of(case);

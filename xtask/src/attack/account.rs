@@ -38,7 +38,7 @@ pub fn account(
     let _ = std::fs::remove_file(&out);
     let args = ["convert", path, &out, "--force", "--to", "candump", "--quality=json", "--quality-out", &quality];
     let run = program.run(&args.map(str::to_owned));
-    // A capture that can't be opened has reported that.
+    // The program has already reported a capture that it can't open.
     let Ok(text) = std::fs::read_to_string(&quality) else {
         let silent = run.status == Some(0) || run.stderr.is_empty();
         return Ok(Accounted {

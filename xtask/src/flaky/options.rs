@@ -19,9 +19,9 @@ pub enum Transport {
 /// The process that gets no processor while there is other work.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Starved {
-    /// The tester; the device precedes the other work, if this user may set that.
+    /// The tester is starved. The device gets a processor before the other work, if this user may set that.
     Tester,
-    /// The device.
+    /// The device is starved.
     Device,
 }
 
@@ -38,7 +38,7 @@ pub struct Options {
     pub select: Option<String>,
     /// The bus.
     pub transport: Transport,
-    /// The process that comes after the other work; the other process precedes it, or is equal.
+    /// The process that gets a processor only after the other work.
     pub starved: Starved,
     /// Whether this process was started in a machine of its own, with the built program.
     pub in_machine: bool,

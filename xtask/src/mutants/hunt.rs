@@ -31,7 +31,7 @@ pub enum Outcome {
     Survived,
     /// The traffic did not differ.
     Unseen,
-    /// The device did not end.
+    /// The run did not end.
     Hung,
 }
 

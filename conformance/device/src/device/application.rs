@@ -55,7 +55,7 @@ pub trait Application: fmt::Debug + Send {
         None
     }
 
-    /// Checks a write beyond the limits of the device description.
+    /// Checks a written value by rules in addition to the limits in the device description.
     ///
     /// # Errors
     /// The abort code for a value that is inconsistent with others.
@@ -81,8 +81,8 @@ pub trait Application: fmt::Debug + Send {
         &[]
     }
 
-    /// Whether a faulty firmware fails to copy the object to the objects linked with it: with a value, when that value
-    /// is written; with `None`, when parameters are loaded or read.
+    /// Whether a faulty firmware does not copy the value of the object to the objects linked with it. `Some`: when this
+    /// value is written; `None`: when parameters are loaded or read.
     fn breaks_link(&self, _: Multiplexer, _value: Option<u64>) -> bool {
         false
     }
@@ -173,7 +173,7 @@ pub(super) fn of(model: &Model, motion: &Motion, firmware: &Firmware) -> Option<
     PROFILES.iter().find_map(|profile| profile.application(model, motion, firmware))
 }
 
-/// Changes the object dictionary according to the firmware's faults in objects of profiles.
+/// Changes the object dictionary according to the firmware's faults in the objects of profiles.
 pub(super) fn plant(parameters: &mut Parameters, firmware: &Firmware) {
     PROFILES.iter().for_each(|profile| profile.plant(parameters, firmware));
 }

@@ -77,7 +77,7 @@ impl Mischief {
         }
     }
 
-    /// Whether the firmware has any fault, so that frames must pass through here.
+    /// Whether the firmware has any fault, so that each frame must be passed to [`Mischief`].
     pub fn is_active(&self) -> bool {
         !self.faults.is_empty()
     }

@@ -53,7 +53,7 @@ pub struct Quirks {
     pub restore_needs_store: bool,
     /// Pairs `[standard, device]`: the abort code of the device in place of a code of CiA 301.
     pub abort_codes: Vec<(u32, u32)>,
-    /// For people: the values among these that the manual does not give.
+    /// For people: the values of this table that the manual does not give.
     pub assumed: ForPeople,
 }
 

@@ -25,7 +25,7 @@ pub struct Number {
     /// The object.
     #[serde(deserialize_with = "address")]
     pub at: Multiplexer,
-    /// The values of which a node has one.
+    /// The possible values: a node of the model has one of them.
     pub any: Vec<u32>,
 }
 

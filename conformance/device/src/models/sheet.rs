@@ -181,7 +181,7 @@ pub struct Timing {
     pub store_ms: u64,
     /// The time after which the SDO server ends a transfer whose client is silent.
     pub sdo_timeout_ms: u64,
-    /// For people: the values among these that the manual does not give.
+    /// For people: the values of this table that the manual does not give.
     pub assumed: ForPeople,
     /// For people: the interval between measurements of the temperature.
     pub temperature_update_s: ForPeople,
@@ -242,7 +242,7 @@ pub struct Storage {
     /// Objects that are stored as soon as they are written.
     #[serde(deserialize_with = "addresses")]
     pub persist_at_once: Vec<Multiplexer>,
-    /// For people: the values among these that the manual does not give.
+    /// For people: the values of this table that the manual does not give.
     pub assumed: ForPeople,
     /// For people: the object that restores the defaults.
     pub load_object: ForPeople,

@@ -48,7 +48,7 @@ impl Campaign<'_> {
             None => 0,
         };
         if self.executor.history.tail() > 0 && !self.executor.is_between() {
-            // The frames before belong to another violation, after which the device was brought to rest.
+            // The earlier frames belong to another violation, after which the device was brought to rest.
             let mut tail = tree.current();
             tail.stimuli.drain(..self.executor.history.tail().min(tail.stimuli.len()));
             tree = SequenceTree::new(tail);
@@ -174,7 +174,7 @@ impl Campaign<'_> {
         again.map(|_| ())
     }
 
-    /// Whether the device again does not come back from the reset after the sequence.
+    /// Repeats the sequence and resets the device. Returns whether the device again does not come back.
     fn is_lost_again(&mut self, stand: &mut dyn TestStand, sequence: &Sequence) -> Result<bool, BusError> {
         self.executor.run(stand, sequence, Pace::Careful, true)?;
         let ended = self.executor.restart(stand)?;

@@ -55,7 +55,7 @@ impl Script<'_> {
         self.sdo(Request::upload(known.at));
     }
 
-    /// The client abandons a transfer. When it is back, the server has to serve it again.
+    /// The client abandons a transfer. When the client sends requests again, the server has to serve them.
     fn abandoned(&mut self) {
         let state = self.dice.one_of([SdoState::Download, SdoState::Upload, SdoState::BlockDownload]);
         self.reach(state);

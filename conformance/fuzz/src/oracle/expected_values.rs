@@ -1,4 +1,4 @@
-//! The expected values of the device's objects, as far as its own answers tell.
+//! The expected values of the device's objects, as far as the device's own answers determine them.
 
 use crate::Knowledge;
 use canvass_analyzer::object;
@@ -193,7 +193,7 @@ impl ExpectedValues {
         }
     }
 
-    /// Records that an object has another value after a start than its power-on value.
+    /// Records that an object holds `raw` after a start instead of its power-on value.
     pub fn holds(&mut self, knowledge: &Knowledge, at: Multiplexer, raw: u64) {
         if let Some(entry) = knowledge.position(at) {
             self.read(knowledge, entry, raw);
@@ -225,8 +225,8 @@ impl ExpectedValues {
         self.change.take()
     }
 
-    /// Whether node-ID, bit rate or stored values were changed or may have been. The values after the next reset are
-    /// then unknown.
+    /// Whether node-ID, bit rate or stored values were changed, or may have been changed. The values after the next
+    /// reset are then unknown.
     pub fn bus_changed(&self) -> bool {
         self.bus_changed
     }
@@ -256,9 +256,9 @@ impl ExpectedValues {
         }
     }
 
-    /// Whether the device may delay or omit the EMCY of an error. It may if it has no EMCY, if EMCY is off, has an
-    /// inhibit time or is not known, or if the device monitors other nodes, whose loss it need not report (CiA 301,
-    /// 7.2.8.2.2).
+    /// Whether the device may delay or omit the EMCY of an error. There are several reasons: the device has no EMCY;
+    /// EMCY is off, has an inhibit time or is not known; or the device monitors other nodes, whose loss it need not
+    /// report (CiA 301, 7.2.8.2.2).
     pub fn errs_silently(&self, knowledge: &Knowledge) -> bool {
         if !self.has_emcy_object || self.watches(knowledge) {
             return true;

@@ -40,18 +40,18 @@ impl Slave {
         Self { at: LayerSetting::new(Mode::Waiting), serial: None }
     }
 
-    /// The device was switched on.
+    /// Handles power-on of the device.
     pub const fn start(&mut self) {
         self.at = LayerSetting::new(Mode::Waiting);
     }
 
-    /// The NMT slave was reset. The standard leaves open whether LMT keeps its mode.
+    /// Handles a reset of the NMT slave. The standard leaves open whether LMT keeps its mode.
     pub const fn reset_communication(&mut self) {
         self.at = LayerSetting::new(Mode::Unsure);
         self.at.awaited = Awaited::Anything;
     }
 
-    /// The slave is in operation mode. The progress of addressing is not known.
+    /// Continues with the slave in operation mode. The progress of addressing is not known.
     pub fn go_on(&mut self) {
         self.at = LayerSetting::new(Mode::Waiting);
         (self.at.selected, self.at.identified) = (InOrder::UNKNOWN, InOrder::UNKNOWN);

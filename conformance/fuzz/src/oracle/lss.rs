@@ -65,8 +65,8 @@ impl Slave {
         *self = Self { unconfigured: start == Start::Unconfigured, ..Self::new() };
     }
 
-    /// The NMT slave was reset. The standard leaves open whether LSS keeps its state. An answer that was due may have
-    /// been on its way and come until `grace`.
+    /// Handles a reset of the NMT slave. The standard leaves open whether LSS keeps its state. An answer that was due
+    /// may have been on its way and come until `grace`.
     pub fn reset_communication(&mut self, grace: Timestamp) {
         let grace = if self.at.awaited == Awaited::Nothing { Timestamp::ZERO } else { grace };
         let at = LayerSetting::new(Mode::Unsure);
@@ -97,7 +97,7 @@ impl Slave {
         self.pending.is_none() && !self.given && !self.timing_changed
     }
 
-    /// The slave is in waiting state. The progress of addressing is not known.
+    /// Continues with the slave in waiting state. The progress of addressing is not known.
     pub fn go_on(&mut self) {
         *self = Self { unconfigured: self.unconfigured, ..Self::new() };
         (self.at.selected, self.at.identified) = (InOrder::UNKNOWN, InOrder::UNKNOWN);
@@ -244,7 +244,7 @@ impl Slave {
             return Awaited::Nothing;
         }
         if self.at.mode == Mode::Unsure || self.pending.is_some() {
-            // The scan may have begun, gone on or neither.
+            // The scan may have begun or gone on, or neither.
             self.scanning = None;
             return Awaited::Anything;
         }

@@ -36,7 +36,8 @@ use std::sync::Arc;
 pub struct Violation {
     /// The violated property.
     pub property: Property,
-    /// The violated rule, or the state of the device. Property and rule together distinguish violations.
+    /// The violated rule, or the state of the device. Property and rule together distinguish violations from each
+    /// other.
     pub rule: &'static str,
     /// The required behaviour.
     pub expected: String,
@@ -48,7 +49,7 @@ pub struct Violation {
     pub at: Timestamp,
 }
 
-/// Frames at this distance leave no room for other frames.
+/// Frames whose distance is smaller than this leave no room for other frames between them.
 const BURST: Duration = Duration::from_millis(2);
 
 /// The reference models of one device.
@@ -85,7 +86,7 @@ impl Oracle {
         }
     }
 
-    /// The device has just started as `start` says.
+    /// Handles a start of the device in the state `start`.
     pub fn start(&mut self, now: Timestamp, start: Start) {
         self.expected_values.power_on(&self.knowledge);
         self.nmt.start(now, start);
@@ -97,7 +98,7 @@ impl Oracle {
         self.blind = false;
     }
 
-    /// A frame of the fuzzer was on the bus; it ended at `now`.
+    /// Applies a frame of the fuzzer whose transmission ended at `now`.
     ///
     /// # Errors
     /// [`Violation`] if an answer that was due before has not come.
@@ -206,14 +207,15 @@ impl Oracle {
         self.nmt.grace().max(self.knowledge.patience.quiet)
     }
 
-    /// A device whose EMCY is off or delayed may leave operational on an error without reporting it.
+    /// Allows for an error without a report: a device whose EMCY is off or delayed may leave operational because of the
+    /// error.
     fn doubt(&mut self, now: Timestamp) {
         if self.nmt.phase() == nmt::Phase::Operational && self.expected_values.errs_silently(&self.knowledge) {
             self.nmt.doubt(now);
         }
     }
 
-    /// A frame of the device was on the bus; it ended at `now`.
+    /// Checks a frame of the device whose transmission ended at `now`.
     ///
     /// # Errors
     /// [`Violation`] if the device must not send it.
@@ -313,7 +315,7 @@ impl Oracle {
         Ok(())
     }
 
-    /// Frames of other nodes without a pause delay the frames of the device.
+    /// Handles a frame of another node. Such frames without a pause between them delay the frames of the device.
     fn passed_by(&mut self, now: Timestamp) {
         if now.since(self.passed) < BURST {
             self.nmt.held_up(now);
@@ -322,7 +324,7 @@ impl Oracle {
         self.passed = now;
     }
 
-    /// When the earliest outstanding answer is overdue; `None` if none is outstanding.
+    /// The time at which the earliest outstanding answer is overdue; `None` if none is outstanding.
     pub fn due(&self) -> Option<Timestamp> {
         if self.blind {
             return None;
@@ -407,8 +409,8 @@ impl Oracle {
         !self.blind && runs && settled && !self.expected_values.bus_changed()
     }
 
-    /// The device was brought to pre-operational without a reset. No transfer is under way, LSS is in waiting state,
-    /// and the objects have their power-on values. Everything else is unknown.
+    /// Continues with a device that was brought to pre-operational without a reset. No transfer is under way, LSS is in
+    /// waiting state, and the objects have their power-on values. Everything else is unknown.
     pub fn go_on(&mut self, now: Timestamp) {
         self.expected_values.power_on(&self.knowledge);
         self.nmt.go_on(now);
@@ -439,12 +441,12 @@ impl Oracle {
         wait.into_iter().chain(wake)
     }
 
-    /// An object keeps this value, though a start should have restored another one.
+    /// Records that an object keeps this value, although the start should have restored another one.
     pub fn holds(&mut self, at: Multiplexer, value: u64) {
         self.expected_values.holds(&self.knowledge, at, value);
     }
 
-    /// Silence has lasted long enough, so no answer is under way any more.
+    /// Handles the end of the required silence: no answer is under way any more.
     pub fn quiet(&mut self, now: Timestamp) {
         self.nmt.quiet();
         self.sdo.quiet();
@@ -452,7 +454,7 @@ impl Oracle {
         self.lmt.at.quiet(now);
     }
 
-    /// Checks at the end of a sequence what can be judged only over time, such as periods.
+    /// Checks at the end of a sequence the behaviour that can be judged only over time, such as periods.
     ///
     /// # Errors
     /// [`Violation`] if a periodic message was missing.
@@ -489,7 +491,7 @@ pub(crate) enum Served {
     Unsure,
 }
 
-/// An answer that was due has not come by `at`.
+/// The violation by an answer that was due and has not come by `at`.
 fn silence(property: Property, rule: &'static str, expected: impl Into<String>, at: Timestamp) -> Violation {
     Violation { is_silence: true, ..violation(property, rule, expected, "no answer", at) }
 }

@@ -10,7 +10,7 @@ use canvass_analyzer::object;
 use canvass_analyzer::{CobId, Multiplexer};
 use canvass_traces::{Duration, Frame, Timestamp};
 
-/// The occurrences of one TPDO.
+/// The transmissions of one TPDO.
 #[derive(Clone, Debug)]
 struct Seen {
     /// The index of the TPDO's communication parameters.
@@ -26,7 +26,8 @@ struct Seen {
     open: u8,
     /// The time at which the answer to a SYNC or remote frame is overdue.
     due: Timestamp,
-    /// The next PDO may be later by this time, because an inhibit time from before its change may still run.
+    /// The next PDO may be later by this time, because an inhibit time from before a change of the configuration may
+    /// still run.
     lag: Duration,
     /// The bus was full for a while since the last PDO.
     held_up: bool,
@@ -99,7 +100,7 @@ impl Pdos {
         self.seen.iter().map(|seen| seen.due).min().filter(|due| *due < Timestamp::MAX)
     }
 
-    /// The NMT state has changed. Timers and counters begin anew.
+    /// Handles a change of the NMT state: timers and counters begin anew.
     pub fn state_changed(&mut self, now: Timestamp, nmt: &Slave) {
         let from_rest = nmt.comes_from_rest();
         for seen in &mut self.seen {
@@ -111,8 +112,8 @@ impl Pdos {
         }
     }
 
-    /// The device goes on in pre-operational with its power-on configuration. The state of timers and counters is not
-    /// known.
+    /// Continues with the device in pre-operational with its power-on configuration. The state of timers and counters
+    /// is not known.
     pub fn go_on(&mut self, now: Timestamp) {
         self.reset();
         for seen in &mut self.seen {
@@ -121,7 +122,7 @@ impl Pdos {
         }
     }
 
-    /// An object was written.
+    /// Handles a write to an object.
     pub fn configured(&mut self, now: Timestamp, (at, _): (Multiplexer, u64)) {
         let communication = (0x1000..0x1400).contains(&at.index.0);
         for seen in &mut self.seen {
@@ -194,7 +195,7 @@ impl Pdos {
         }
     }
 
-    /// The bus was full until `now`.
+    /// Records that the bus was full until `now`.
     pub fn held_up(&mut self, now: Timestamp) {
         for seen in &mut self.seen {
             (seen.last, seen.since) = (None, now);
@@ -289,7 +290,7 @@ impl Pdos {
     /// Checks whether cyclic PDOs are missing.
     ///
     /// # Errors
-    /// [`Violation`] if they are.
+    /// [`Violation`] if cyclic PDOs are missing.
     pub fn finish(
         &mut self,
         now: Timestamp,
@@ -388,7 +389,7 @@ impl Seen {
             (self.last, self.since) = (None, now);
         }
         if asked {
-            // The answer to a remote frame keeps no period, and the next PDO keeps none to it.
+            // The answer to a remote frame follows no period, and neither does the time from it to the next PDO.
             (self.last, self.since) = (None, now);
         }
         let Some(last) = last else { return Ok(()) };
@@ -410,7 +411,7 @@ impl Seen {
 }
 
 /// Time within which a synchronous TPDO has to follow its SYNC if 1007h sets no window. No clause limits this time; the
-/// test cases use the same.
+/// test cases use the same limit.
 const LONGEST_SYNC_DELAY: Duration = Duration::from_millis(500);
 
 /// The maximum time between two cyclic PDOs.
@@ -428,7 +429,7 @@ struct Parameters {
     start_value: u64,
     /// The synchronous window has no end.
     open_window: bool,
-    /// Whether an object is mapped. A PDO without one is not sent.
+    /// Whether an object is mapped. A PDO without mapped objects is not sent.
     mapped: bool,
     /// The length of all mapped objects in bytes.
     length: Option<usize>,

@@ -10,9 +10,10 @@
 pub(super) struct SyncCount {
     /// Number of SYNC messages since the beginning.
     syncs: u64,
-    /// The first and the last SYNC that may cause the next TPDO. `None` before the first TPDO.
+    /// The first and the last SYNC that may cause the next TPDO, by their numbers. `None` before the first TPDO.
     next: Option<(u64, u64)>,
-    /// Whether the device has counted the same SYNC messages. A SYNC that it may have ignored leaves this open.
+    /// Whether the device has certainly counted the same SYNC messages as the model. A SYNC that the device may have
+    /// ignored ends this certainty.
     in_step: bool,
 }
 
@@ -21,7 +22,7 @@ impl SyncCount {
         Self { syncs: 0, next: None, in_step: true }
     }
 
-    /// Whether the device has certainly counted the same SYNC messages.
+    /// Whether the device has certainly counted the same SYNC messages as the model.
     pub const fn is_in_step(&self) -> bool {
         self.in_step
     }

@@ -59,7 +59,8 @@ pub struct Shown {
     pub number: u64,
     /// The time of the frame.
     pub time: Timestamp,
-    /// The channel on which the frame was seen.
+    /// The frame numbers at which places are complete, in the order of time. An entry is out of date if its place has
+    /// moved since.
     pub channel: ChannelId,
     /// The place of the frame in its file.
     pub place: Place,
@@ -180,7 +181,8 @@ impl Excerpt {
         self.due.push_back((self.seen + BEHIND, key));
     }
 
-    /// Keeps the frames around a place instead of those kept for it before. The place is complete, or the capture ends.
+    /// Keeps the frames around a place instead of the frames kept for it before. The call comes when the place is
+    /// complete or when the capture ends.
     fn keep(&mut self, key: Key, at_end: bool) {
         let Some(spot) = self.places.get_mut(&key) else { return };
         if !at_end && spot.at + BEHIND > self.seen {

@@ -1,4 +1,4 @@
-//! A record in few bytes, after the one before it.
+//! A record in few bytes, encoded as the difference from the previous record.
 //!
 //! ```text
 //! head: 0 usual (11 bits, classical data, no DLC above 8), 1 same channel, 2 number is one more, 4..5 direction, 6 CAN XL

@@ -1,6 +1,6 @@
 //! All records, in blocks, which are compressed when there are many, and snapshots of the network at the beginning of
 //! some blocks. Decoding of any record begins at the nearest snapshot before it. While records are added, they are only
-//! stored; [`Indexing`] decodes them and makes the snapshots when all are there.
+//! stored. When all records are there, [`Indexing`] decodes them and makes the snapshots.
 
 use super::overview::Overview;
 use super::pack::{self, Before};
@@ -215,7 +215,8 @@ impl Indexing {
     }
 }
 
-/// Decodes the records from one on, with the state of the network there.
+/// Decodes the records from a given record on. It begins with the state of the network at the last snapshot before this
+/// record.
 pub struct Walk {
     network: Network,
     row: usize,

@@ -395,11 +395,11 @@ impl SdoServer {
     }
 }
 
-/// Of this many requests, a firmware with delayed responses answers one late, after [`SLOW`].
+/// A firmware with delayed responses answers one of this many requests late, after [`SLOW`].
 const SLOW_EVERY: u32 = 150;
 const SLOW: Duration = Duration::from_millis(1_200);
 
-/// Of this many requests, a firmware that loses responses leaves one unanswered.
+/// A firmware that loses responses leaves one of this many requests unanswered.
 const LOST_EVERY: u32 = 100;
 
 /// Number of bytes of a response that are not reserved.

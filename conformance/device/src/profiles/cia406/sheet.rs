@@ -59,7 +59,7 @@ pub struct Measurement {
     pub tenth_mm_per_revolution: u32,
     /// For an inclinometer: the tilt of the housing, in hundredths of a degree, clockwise.
     pub tilt_hundredths: i32,
-    /// For people: the values among these that the manual does not give.
+    /// For people: the values of this table that the manual does not give.
     pub assumed: ForPeople,
     /// For people: the times over which the speed is measured.
     pub integration_times_ms: ForPeople,

@@ -30,8 +30,8 @@ pub(super) enum Awaited {
     ConfirmSegment { toggle: bool, last: Option<(Multiplexer, Writing)> },
     /// An upload segment.
     Segment { toggle: bool },
-    /// The confirmation of a block whose last good sequence number is `sequence`. If a segment was missing, it may come
-    /// before the end of the block.
+    /// The confirmation of a block whose last good sequence number is `sequence`. If a segment was missing, the
+    /// confirmation may come before the end of the block.
     ConfirmBlock { sequence: u8, required: bool, last: bool },
     /// The confirmation of the end of a block download.
     ConfirmEnd { at: Multiplexer, writing: Writing },

@@ -117,7 +117,7 @@ fn in_segments(mut writing: Writing, knowledge: &Knowledge) -> Writing {
     writing
 }
 
-/// The code of a server without block transfers, if it is not known whether it supports them.
+/// The abort code of a server without block transfers, if it is not known whether this server supports them.
 fn not_supported(knowledge: &Knowledge) -> CodeSet {
     if knowledge.services.block_transfer.is_none() { codes::COMMAND } else { CodeSet::NONE }
 }
@@ -155,7 +155,7 @@ fn missing(at: Multiplexer, knowledge: &Knowledge) -> CodeSet {
     }
 }
 
-/// The codes for reading an object of a device without description: it may be missing or not readable.
+/// The abort codes for reading an object of a device without description: the object may be missing or not readable.
 fn anything_if_unknown(knowledge: &Knowledge) -> CodeSet {
     if knowledge.is_described() {
         return CodeSet::NONE;

@@ -38,7 +38,7 @@ pub(crate) struct Server {
     due: Timestamp,
     /// A second request came before the answer to the first, so that the next answer can belong to either.
     overlapped: bool,
-    /// Silence was not awaited since the last request, whose answer is optional.
+    /// The last request has an optional answer, and the fuzzer has not waited for silence since then.
     unsettled: bool,
     grace: Timestamp,
     /// The NMT state is certain for requests from this time on: its last change is completed by then.
@@ -56,8 +56,8 @@ pub(crate) struct Server {
     named: Option<Multiplexer>,
     /// The command of the last request had reserved bits set, so that the server may take it for an unknown command.
     odd: bool,
-    /// The time at which the client last ended a transfer. The server may have given it up at the same moment and
-    /// report this a little later.
+    /// The time at which the client last ended a transfer. The server may have given up the transfer at the same moment
+    /// and report this a little later.
     ended: Option<Timestamp>,
 }
 
@@ -160,7 +160,7 @@ impl Server {
         }
     }
 
-    /// The server begins anew.
+    /// Handles a reset of the device: the server begins anew.
     pub fn reset(&mut self) {
         self.state = TransferState::Idle;
         self.awaited = Awaited::Nothing;
@@ -172,8 +172,8 @@ impl Server {
         self.data.clear();
     }
 
-    /// The device was thought to be booting, but shows that it has booted. It may serve a request from just before,
-    /// which came while its boot-up message waited for the bus.
+    /// Handles a sign that a device which counted as booting has booted. The device may serve a request from just
+    /// before, which came while its boot-up message waited for the bus.
     pub fn booted(&mut self, now: Timestamp, grace: Duration) {
         if self.unserved.take().is_some_and(|asked| now < asked + grace) {
             self.state = TransferState::Unsure;
@@ -181,8 +181,8 @@ impl Server {
         }
     }
 
-    /// The NMT state has changed. Responses that were on their way may still come for `grace`, unless no request came
-    /// for `quiet`. Later requests belong to the new state.
+    /// Handles a change of the NMT state. Responses that were on their way may still come for `grace`, unless no
+    /// request came for `quiet`. Later requests belong to the new state.
     pub fn state_changed(&mut self, now: Timestamp, served: Served, grace: Duration, quiet: Duration) {
         match served {
             Served::No => {
@@ -336,7 +336,7 @@ impl Server {
         self.overlapped || self.awaited.is_open()
     }
 
-    /// Silence has lasted long enough, so no earlier request will be answered.
+    /// Handles the end of the required silence: the server answers no earlier request any more.
     pub const fn quiet(&mut self) {
         self.overlapped = false;
         self.unsettled = false;
@@ -411,7 +411,7 @@ impl Server {
         }
     }
 
-    /// The server has to abort the transfer.
+    /// Ends the transfer, which the server has to abort. Returns the required abort.
     fn refuse(&mut self, codes: CodeSet, why: &'static str, expected_values: &mut ExpectedValues) -> Awaited {
         self.give_up(expected_values);
         Awaited::Abort { codes, at: None, why }
