@@ -32,8 +32,8 @@ pub fn live<R: Read>(
     LiveSource { chunks, chunk: io::Cursor::default(), output, interrupt }
 }
 
-/// Whether reading a file may block: a pipe, a terminal, a device, or a file that the kernel generates (those of
-/// /proc claim to be regular and empty).
+/// Whether reading a file may block: a pipe, a terminal, a device, or a file that the kernel generates (files in /proc
+/// claim to be regular and empty).
 pub fn may_wait(file: &Path) -> bool {
     fs::metadata(file).is_ok_and(|metadata| !metadata.is_dir() && (!metadata.is_file() || metadata.len() == 0))
 }

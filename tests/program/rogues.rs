@@ -1,4 +1,4 @@
-//! SLCAN adapters behind TCP that misbehave in ways of no real adapter or device. `cargo xtask attack` uses them too.
+//! SLCAN adapters behind TCP that misbehave as no real adapter or device does. `cargo xtask attack` uses them, too.
 
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream};

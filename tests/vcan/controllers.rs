@@ -43,7 +43,7 @@ fn a_bit_rate_is_asked_for_known_and_changed() {
     let device = simulate(MODEL, "can1", &[]);
     let doctor = text(&run(&["doctor"]).stdout);
     assert!(doctor.contains("✔ interface    can0: controller, up, 250 kbit/s, error-active"), "{doctor}");
-    // With heartbeats, the tester asks for no state by remote frames. QEMU's SJA1000 handles the announced data byte of
+    // With heartbeats, the tester requests no state by remote frames. QEMU's SJA1000 handles the announced data byte of
     // a remote frame wrongly, so that the following frames are garbage.
     let heartbeats = run(&["sdo", "write", "can0", "10", "1017", "500"]);
     assert!(heartbeats.status.success(), "{}", text(&heartbeats.stderr));

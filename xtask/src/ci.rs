@@ -185,7 +185,7 @@ fn everyday_tests() -> Result<()> {
     test(&["--workspace"])
 }
 
-/// With nextest one compilation serves also the tests with steps of their own; cargo can't leave those out.
+/// With nextest one compilation also serves the tests that have steps of their own; cargo can't leave such tests out.
 fn tests() -> Result<()> {
     if !has_nextest() {
         return everyday_tests();
@@ -227,7 +227,7 @@ fn has_nextest() -> bool {
     is_there("cargo", &["nextest", "--version"])
 }
 
-/// The features are those of the tests, so that the compiled libraries are reused.
+/// The features are the same as for the tests, so that the compiled libraries are reused.
 fn doc_tests() -> Result<()> {
     run("cargo", &[&["test", "--workspace", "--locked", "--doc"], &FEATURES[..]].concat())
 }

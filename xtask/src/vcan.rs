@@ -61,7 +61,7 @@ struct Job {
     patience: Duration,
 }
 
-/// Runs the tests of `tests/vcan` but those that CI leaves to the night.
+/// Runs the tests of `tests/vcan`, except the tests that CI leaves to the night.
 pub fn by_day() -> Result<()> {
     let job = prepare()?;
     let mut names = names(&job.starts)?;

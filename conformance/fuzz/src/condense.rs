@@ -1,5 +1,5 @@
-//! Reduces many frames to those that, according to the standard, set the state of a device: the last NMT command, and
-//! the last value written to each object.
+//! Reduces many frames to the frames that, according to the standard, determine the state of a device: the last NMT
+//! command, and the last value written to each object.
 
 use super::Knowledge;
 use super::stimulus::Stimulus;

@@ -264,8 +264,8 @@ impl SdoReach {
     }
 }
 
-/// What a run can reach of LSS or LMT. A master can send every command in every state, so only the slave's states and
-/// the commands that are not allowed matter.
+/// The states and commands of LSS or LMT that a run can reach. A master can send every command in every state, so that
+/// only the states of the slave and the commands that the user has not allowed limit a run.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct LssReach {
     /// The states that the slave has.

@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 /// The limits of the search for a fault.
 #[derive(Clone, Copy, Debug)]
 pub struct Limit {
-    /// Number of frames, without those sent to shorten the sequence.
+    /// Number of frames, without the frames sent to shorten the sequence.
     pub exchanges: u64,
     /// Time on this computer.
     pub time: Duration,

@@ -1,5 +1,5 @@
-//! The seam for device profiles: the properties that a profile adds to those of every device, and the dialogues that
-//! check them.
+//! The interface to device profiles: the properties that a profile adds to the properties of every device, and the
+//! dialogues that check them.
 //!
 //! A profile registers itself; models and generators ask the profiles that a device may have and name none.
 

@@ -1,4 +1,4 @@
-//! A run of an ingest: finds new files, reads them, and commits their entries on the way.
+//! A run of an ingest: finds new files, reads them, and commits their entries meanwhile.
 
 use super::plan::{IngestSpec, IngestTable};
 use super::{Entry, LakeError, Location, Snapshot, leftovers, rules};
@@ -88,7 +88,7 @@ impl Ingest {
     }
 }
 
-/// A run under way.
+/// A run in progress.
 struct Run {
     location: Location,
     snapshot: Snapshot,

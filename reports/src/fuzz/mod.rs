@@ -167,7 +167,7 @@ fn trouble(run: &Run) -> String {
     interruptions.into_iter().chain(ended_by).collect::<Vec<_>>().join("; ")
 }
 
-/// The device's settings after the run, compared with those before. Empty for a simulated device.
+/// The device's settings after the run, compared with the settings before. Empty for a simulated device.
 fn left(run: &Run) -> String {
     let zero_point = run.zero_point.as_ref().map(ToString::to_string);
     let settings = Some(settings_left(run)).filter(|text| !text.is_empty());

@@ -105,7 +105,7 @@ impl Session {
         Ok(())
     }
 
-    /// Applies opened, changed and closed files; returns the closed ones.
+    /// Applies notifications of opened, changed and closed files; returns the closed files.
     fn follow(&mut self, said: Notification) -> Vec<Uri> {
         match said.method.as_str() {
             DidOpenTextDocument::METHOD => {

@@ -1,4 +1,5 @@
-//! The seam for device profiles: what the application of a device adds to the services that every device has.
+//! The interface to device profiles: the behaviour that the application of a device adds to the services that every
+//! device has.
 //!
 //! A profile registers itself; the services ask the application of their device and name no profile.
 

@@ -44,7 +44,7 @@ pub(super) struct Mischief {
     refusals: u32,
 }
 
-/// What happens to a received frame.
+/// The effect of the faults on a received frame.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Incoming {
     /// The device gets this frame, and the second one after it.

@@ -130,12 +130,12 @@ impl Parameters {
         parameters
     }
 
-    /// Resets all values to the delivered ones.
+    /// Resets all values to the delivered values.
     pub(crate) fn restore(&mut self, node: NodeId) {
         self.entries_mut().for_each(|(entry, content)| *content = entry.default_content(node));
     }
 
-    /// Resets the parameters of the profile area (6000h to 9FFFh) to the delivered ones.
+    /// Resets the parameters of the profile area (6000h to 9FFFh) to the delivered values.
     pub(crate) fn restore_profile(&mut self, node: NodeId) {
         for (entry, content) in self.entries_mut().filter(|(entry, _)| matches!(entry.at.index.0, 0x6000..0xA000)) {
             *content = entry.default_content(node);

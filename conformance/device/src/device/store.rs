@@ -168,8 +168,8 @@ impl Store {
         self.pending = Some((done, command));
     }
 
-    /// Handles a reset while a faulty firmware writes: the first half of the memory has new values, the second half old
-    /// ones.
+    /// Handles a reset while a faulty firmware writes: the first half of the memory has new values, the second half has
+    /// old values.
     pub fn tear(&mut self, parameters: &Parameters, node: NodeId) {
         if let Some((_, StoreCommand::Save(groups))) = self.pending {
             let half = self.image.len() / 2;

@@ -12,7 +12,7 @@ use canvass_analyzer::wire::pdo::{MappingEntry, TransmissionType, insert};
 use canvass_analyzer::{CobId, Multiplexer};
 use canvass_traces::{CanId, Duration, Frame, Timestamp};
 
-/// Interval at which mapped values are compared with the last ones sent.
+/// Interval at which mapped values are compared with the values that were sent last.
 const SAMPLING: Duration = Duration::from_millis(1);
 
 /// Delay after SYNC of synchronous TPDOs in a faulty firmware.

@@ -305,7 +305,7 @@ fn life_guarding() {
     assert_eq!(bench.run(1_000), NONE);
 }
 
-/// 8.7 to 8.9: the device sends names in segments, even short ones.
+/// 8.7 to 8.9: the device sends names in segments, even short names.
 #[test]
 fn names_come_in_segments() {
     let mut bench = Bench::new("tr-lmp30");

@@ -62,7 +62,7 @@ impl ExpectedValues {
         expected_values
     }
 
-    /// Sets all values to those after power-on.
+    /// Sets all values to the power-on values.
     pub fn power_on(&mut self, knowledge: &Knowledge) {
         self.writes = 0;
         self.suspended = false;

@@ -1,7 +1,8 @@
 //! The SYNC count of a synchronous TPDO: the TPDO follows every n-th SYNC, from any start of the count, after some
 //! time.
 
-/// The SYNC messages since the PDO was started or configured, and the range of those that may cause the next TPDO.
+/// The SYNC messages since the PDO was started or configured, and the range of SYNC messages that may cause the next
+/// TPDO.
 ///
 /// CiA 301 (7.2.2.2, 7.5.2.37) says that a TPDO of transmission type n follows every n-th SYNC. It does not say with
 /// which of the first n SYNC messages the TPDO begins, nor how long after a SYNC it comes if 1007h sets no window. So a

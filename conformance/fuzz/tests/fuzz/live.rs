@@ -84,8 +84,8 @@ fn slow_devices_and_such_with_habits_of_their_own_violate_nothing() {
     }
 }
 
-/// CiA 305 does not mention parts of another address between those of the own one. The case
-/// `305/switch-selective/interleaved` only records what a slave does then.
+/// CiA 305 does not mention parts of another address between parts of the slave's own address. The case
+/// `305/switch-selective/interleaved` only records the behaviour of the slave.
 #[test]
 fn a_slave_that_goes_on_after_parts_of_another_address_violates_nothing() {
     let outcome = with(Fault::LssSelectiveMismatchIgnored, Target::Lss, 1_000);
@@ -208,7 +208,7 @@ fn tell(bus: &mut SimulatedBus, what: (Transfer, sdo::Request)) -> sdo_client::O
 fn stored_values_of_eight_bytes_are_left_as_they_were() {
     let (number, stored) = (Multiplexer::new(0x2030, 0xF), [8, 7, 6, 5, 4, 3, 2, 1]);
     let mut bus = SimulatedBus::new(250_000);
-    // A reset restores nothing. The values written back are those stored, not those of the description.
+    // A reset restores nothing. The run writes the stored values back, not the values of the description.
     let keeps = Faults::from(Fault::NmtResetNodeKeepsParameters).with(Fault::NmtResetCommunicationKeepsParameters);
     bus.attach(Box::new(Device::new(model(), Some(NODE), keeps, 0)));
     while bus.receive(Timestamp(1_000_000_000)).unwrap().is_some() {}

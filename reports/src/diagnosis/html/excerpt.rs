@@ -239,7 +239,7 @@ impl Excerpt {
     }
 }
 
-/// Inserts the others among the frames by their times. The frames keep their order, even if their clock stepped back.
+/// Inserts `others` among the frames by their times. The frames keep their order, even if their clock stepped back.
 fn merge(frames: &mut Vec<Shown>, mut others: Vec<Shown>) {
     others.sort_by_key(|shown| (shown.time, shown.place.number));
     let mut others = others.into_iter().peekable();

@@ -1,7 +1,7 @@
 //! The row of a node in the timeline: the states that the node has shown, and its silences.
 //!
 //! An NMT command does not show the state of a node. A reset is drawn until the node shows a state again. A node that
-//! drops out is silent, whatever it is commanded in the meantime.
+//! drops out is silent, whatever commands it gets in the meantime.
 
 use canvass_analyzer::NodeId;
 use canvass_analyzer::findings::Finding;

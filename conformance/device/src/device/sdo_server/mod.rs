@@ -32,7 +32,7 @@ pub(super) struct SdoServer {
     answers: VecDeque<(Timestamp, [u8; 8], usize)>,
     /// The time at which a transfer ends if its client stays silent.
     expires: Timestamp,
-    /// The object of the last transfer, for a firmware that goes on naming it.
+    /// The object of the last transfer, for a firmware that names it in aborts of later transfers.
     stale: Multiplexer,
     /// The first bytes of a refused segment, for a firmware that returns them as the next value.
     refused: Option<[u8; 4]>,

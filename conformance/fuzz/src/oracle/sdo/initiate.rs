@@ -182,7 +182,7 @@ fn announced(at: Multiplexer, size: Option<u32>, knowledge: &Knowledge) -> Writi
         // The server may refuse a wrong length at once or when the data has come.
         (Some(fixed), Some(size)) if size as usize > fixed => writing.may = writing.may.or(codes::TOO_LONG),
         (Some(fixed), Some(size)) if (size as usize) < fixed => writing.may = writing.may.or(codes::TOO_SHORT),
-        // The application decides which lengths of a string or DOMAIN are right; no description tells.
+        // The application decides which lengths of a string or DOMAIN are right; no description contains them.
         (None, _) => writing.may = writing.may.or(codes::TOO_SHORT),
         _ => {}
     }
@@ -201,8 +201,8 @@ fn length_codes(known: &Known, size: Option<usize>) -> CodeSet {
     }
 }
 
-/// The codes at the end of a transfer whose length is neither that of the object nor the announced one. No description
-/// tells which lengths of a string or DOMAIN are right.
+/// The codes at the end of a transfer whose length is neither the object's length nor the announced one. The right
+/// lengths of a string or DOMAIN are in no description.
 pub(super) fn all_length_codes(known: Option<&Known>, announced: Option<usize>) -> CodeSet {
     match known {
         Some(known) if known.size.is_none() => codes::TOO_LONG.or(codes::TOO_SHORT),

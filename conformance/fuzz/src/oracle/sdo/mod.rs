@@ -1,7 +1,7 @@
 //! A model of the SDO server of CiA 301, seen from outside: the correct answers in each state.
 //!
 //! A request is first turned into the allowed answers ([`Awaited`]), and the actual answer is then compared with them.
-//! The states are those of the transfer, and each carries only its own data.
+//! The states are the states of the transfer, and each carries only its own data.
 
 mod awaited;
 mod block;
@@ -372,7 +372,7 @@ impl Server {
         }
         if self.state == TransferState::Unsure && frame.bytes()[0] != 0x80 {
             // The server may take the frame for a segment of a block download that the model does not know of. The
-            // answer tells.
+            // answer shows this.
             return Awaited::Anything;
         }
         if self.state.is_block() && initiates(&request) {
