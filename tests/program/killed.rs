@@ -8,11 +8,12 @@ use std::path::Path;
 use std::process::{Child, Stdio};
 use std::time::Duration;
 
-/// Numbers of runs that are interrupted and killed, and number of devices that are tested at the same time: most of the
-/// time is waiting.
+/// Number of runs that are interrupted.
 #[cfg(unix)]
 const INTERRUPTED: u64 = 100;
+/// Number of runs that are killed.
 const KILLED: u64 = 50;
+/// Number of devices that are tested at the same time. It is large, as most of the time is waiting.
 const DEVICES: u64 = 10;
 /// One run in [`AT_ANY_MOMENT`] is killed at a moment that counts from its start, and so perhaps before its first case.
 /// For the other runs, the moment counts from the beginning of the first case.

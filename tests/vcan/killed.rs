@@ -32,7 +32,7 @@ fn moment(kill: u64) -> Duration {
     Duration::from_millis((chance >> 33) % 15_000)
 }
 
-/// Kills one run after the other on one device; returns how many had begun a case.
+/// Kills one run after the other on one device; returns the number of runs that had begun a case.
 fn kill(interface: &'static str, first: u64) -> u64 {
     let bus = Interface::new(interface);
     let _device = simulate("reference-301", bus.name(), &[]);

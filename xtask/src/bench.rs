@@ -1,4 +1,4 @@
-//! Measures the speed of canvass beside other programs, in the same run on the same frames.
+//! Measures the speed of canvass and of other programs, in the same run on the same frames.
 
 use crate::measure::{Cost, RUNS, TIME, best, best_of, machine, release};
 use crate::packages::{Package, install};
@@ -171,7 +171,7 @@ pub fn capture(format: &str) -> String {
     format!("target/bench/traffic.{format}")
 }
 
-/// Decoding to one line per frame, beside tshark, and beside the time for merely finding lines.
+/// Decoding to one line per frame, compared with tshark, and with the time for merely finding lines.
 fn decoding() -> Result<()> {
     println!("\ndecoding to a line per frame, output to /dev/null");
     let (log, pcap, canvass) = (capture("candump"), capture("pcap"), release("canvass"));

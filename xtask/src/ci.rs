@@ -176,7 +176,7 @@ fn built() -> PathBuf {
     target_folder().join("debug/canvass")
 }
 
-/// Tests the page, beside the program built for the tests.
+/// Tests the page against the program that was built for the tests.
 fn page() -> Result<()> {
     web::step(|| these(&["page"]))
 }
@@ -190,7 +190,7 @@ fn tests() -> Result<()> {
     if !has_nextest() {
         return everyday_tests();
     }
-    // The profile tells which tests mostly wait, and may run beside others (.config/nextest.toml).
+    // The profile tells which tests mostly wait, and may run at the same time as others (.config/nextest.toml).
     let places = (2 * std::thread::available_parallelism()?.get() + 1).to_string();
     let side_by_side = ["--profile", "ci", "--test-threads", &places];
     test(&[&["--workspace"], &FEATURES[..], &WITHOUT_NEEDS, &side_by_side].concat())

@@ -1,4 +1,4 @@
-//! Measures diagnosis: beside decoding of the same frames, and for hours of a healthy bus.
+//! Measures the diagnosis: compared with decoding of the same frames, and for hours of a healthy bus.
 
 use crate::bench::capture;
 use crate::measure::{best, cost, release};

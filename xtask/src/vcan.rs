@@ -20,8 +20,9 @@ use std::time::Duration;
 /// The folder for Debian's kernel and the archives for its machines.
 const FOLDER: &str = "target/vcan";
 const PROBE: &str = "canvassprobe";
-/// The test that `vcan-load` runs for a minute, and the variable with its seconds.
+/// The test that `vcan-load` runs for a minute.
 const LOAD: &str = "load::nothing_is_lost";
+/// The variable for the duration of this test, and a minute in seconds.
 const MINUTE: (&str, &str) = ("CANVASS_LOAD_SECONDS", "60");
 
 const IPROUTE: Package = Package { program: "ip", probe: &["-V"], package: "iproute2" };
@@ -29,8 +30,8 @@ const IPROUTE: Package = Package { program: "ip", probe: &["-V"], package: "ipro
 /// Time without output after which a machine with tests is ended. A minute of the highest load takes a third of this
 /// time.
 const FOR_TESTS: Duration = Duration::from_secs(1_800);
-/// Time without output after which a machine with runs of `flaky` is ended. A run takes three times as long as alone,
-/// and longer beside other work.
+/// Time without output after which a machine with runs of `flaky` is ended. On a busy machine a run takes three times
+/// as long as on an idle one, and longer if the computer has other work.
 const FOR_RUNS: Duration = Duration::from_secs(4 * 3_600);
 
 /// The tests that CI leaves to the night: the verdicts of these models show nothing of SocketCAN that the other four models do not.

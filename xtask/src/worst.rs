@@ -1,4 +1,4 @@
-//! Measures the most expensive traffic: time for each frame beside usual traffic, and memory.
+//! Measures the most expensive traffic: time for each frame, compared with usual traffic, and memory.
 
 use crate::bench::build;
 use crate::measure::{TIME, best, machine, release};

@@ -64,7 +64,7 @@ pub struct Found {
     /// Objects without their power-on values when the violation was seen: neither a reset nor a write had restored
     /// them. These objects are also changed when the sequence is repeated.
     pub state: Vec<Kept>,
-    /// The bus was lost before the sequence could be repeated.
+    /// Whether the bus was lost before the sequence could be repeated.
     pub is_cut_off: bool,
 }
 

@@ -239,14 +239,14 @@ impl Default for Coverage {
 /// The states of the SDO server that a run can reach.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct SdoReach {
-    /// The server supports block transfers.
+    /// Whether the server supports block transfers.
     pub blocks: bool,
-    /// An object has a value that does not fit into one frame and is sent in segments.
+    /// Whether an object has a value that does not fit into one frame and is sent in segments.
     pub long_values: bool,
 }
 
 impl SdoReach {
-    /// The reach on a device. A feature that nobody has described counts as supported.
+    /// The reach on a device. A feature that is not described counts as supported.
     pub fn of(knowledge: &Knowledge) -> Self {
         let is_long = |known: &Known| known.readable && known.size.is_none_or(|size| size > 4);
         Self {

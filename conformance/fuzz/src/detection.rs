@@ -40,7 +40,8 @@ pub struct Detected {
     pub found: Found,
     /// Time on this computer until the violation was seen and its sequence shortened.
     pub elapsed: Duration,
-    /// The same sequence shows nothing on the model without the fault, so the fault caused the violation.
+    /// Whether the same sequence shows nothing on the model without the fault, so that the fault has caused the
+    /// violation.
     pub caused: bool,
 }
 

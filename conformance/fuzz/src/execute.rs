@@ -94,7 +94,7 @@ pub(super) enum Ended {
 /// The violation of a server that can't be read any more.
 const WEDGED: (Property, &str) = (Property::Responsive, "canonical read");
 
-/// The rule that a device violates if it does nothing any more.
+/// The rule that a device violates if it has stopped working.
 pub(super) const DEATH: &str = "device death";
 
 /// The rule that a device violates if it comes back only after a further reset.
@@ -393,7 +393,7 @@ impl Executor {
         &self.knowledge
     }
 
-    /// The violation of a device that does nothing any more.
+    /// The violation of a device that has stopped working.
     fn death(&self, rule: &'static str, expected: &str, actual: &str) -> Violation {
         Violation {
             property: Property::Alive,

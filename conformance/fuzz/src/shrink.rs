@@ -22,7 +22,7 @@ pub struct SequenceTree {
     /// The variant that is being tried. `None`: the simplest sequence itself.
     variant: Option<Sequence>,
     step: ShrinkStep,
-    /// A variant was accepted since the steps began anew.
+    /// Whether a variant was accepted since the steps began anew.
     progress: bool,
 }
 

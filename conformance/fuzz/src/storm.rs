@@ -67,9 +67,10 @@ pub enum Broken {
 
 /// Number of frames that a device receives before it is switched off and on.
 const EPISODE: u64 = 2_000;
-/// Limits of the number of wake-ups in any pause, and for each of its milliseconds. The device may have many timers,
-/// but none is finer than a millisecond.
+/// Maximum number of wake-ups in a pause of any length.
 const WAKES: u64 = 1_000;
+/// Number of further wake-ups for each millisecond of a pause. The device may have many timers, but none is finer than
+/// a millisecond.
 const WAKES_PER_MILLISECOND: u64 = 100;
 /// A time longer than any device takes to start and to write its memory.
 const START: Duration = Duration::from_secs(10);

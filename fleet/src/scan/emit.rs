@@ -137,7 +137,7 @@ impl<'a, R: Rows> Emitter<'a, R> {
     /// As [`Emitter::row`].
     pub fn finish(mut self) -> Result<(), ScanError> {
         if self.builder.rows() > 0 {
-            // An outlet that wants no more rows has all that it wanted.
+            // An outlet that wants no more rows is no error.
             let _ = self.flush()?;
         }
         Ok(())

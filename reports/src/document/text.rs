@@ -10,9 +10,9 @@ use std::io::{self, Write};
 
 /// The width in columns for a file, which has no width of its own.
 const PAGE: u16 = 120;
-/// The width of a fact's name in columns, and the text after it, for facts of the document and for facts within a
-/// finding.
+/// For facts of the document: the width of the fact's name in columns, and the text after the name.
 const WIDE: (usize, &str) = (12, " ");
+/// The same for facts within a finding.
 const NARROW: (usize, &str) = (8, "  ");
 
 /// Writes the document.

@@ -30,7 +30,7 @@ impl Cluster {
         Ok(cluster)
     }
 
-    /// Starts a process, and returns the line with these words, which it prints when it is ready.
+    /// Starts a process, and returns the line that contains `ready`, which the process prints when it is ready.
     fn process(&mut self, fleet: &str, words: &[&str], ready: &str) -> Result<String> {
         let mut child = Command::new(fleet)
             .args(words)

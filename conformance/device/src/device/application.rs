@@ -69,7 +69,7 @@ pub trait Application: fmt::Debug + Send {
         false
     }
 
-    /// Handles the effects of a write besides the new value.
+    /// Handles the effects of a write other than the new value of the object.
     fn on_written(&mut self, _: Timestamp, _: Multiplexer, _value: u64, _: &Surroundings<'_>) {}
 
     /// Whether writing the object makes the firmware hang.

@@ -259,7 +259,7 @@ impl Parameters {
         self.entries.iter().zip(&self.contents).map(|(parameter, content)| Held { parameter, content })
     }
 
-    /// All entries, with their values for changing.
+    /// All entries, with values that the caller may change.
     pub(crate) fn entries_mut(&mut self) -> impl Iterator<Item = (&Parameter, &mut Content)> {
         self.entries.iter().zip(&mut self.contents)
     }

@@ -123,7 +123,7 @@ pub(super) struct Store {
     storage: Arc<Storage>,
     /// Stored values that differ from the default, by the position of the parameter in the object dictionary.
     image: Arc<Vec<Option<Content>>>,
-    /// The value that the application stores besides the parameters.
+    /// The value that the application stores in addition to the parameters.
     retained: Option<i64>,
     /// Values stored by LSS that no object holds.
     network: StoredNetwork,

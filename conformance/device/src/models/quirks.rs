@@ -69,7 +69,7 @@ impl Quirks {
         own.map_or(standard, |&(_, code)| AbortCode(code))
     }
 
-    /// The EMCY code of a lost guarding master.
+    /// The EMCY code for the loss of the guarding master.
     pub fn life_guarding_code(&self) -> EmcyCode {
         self.life_guarding_error.map_or(EmcyCode::HEARTBEAT, EmcyCode)
     }

@@ -10,7 +10,7 @@ pub(super) struct ExpectedValues {
     values: Vec<Held>,
     /// Number of confirmed writes. A value that was read before the last write may have changed with it.
     writes: u32,
-    /// The value that is being read may change during the read.
+    /// Whether the value that is being read may change during the read.
     suspended: bool,
     /// A number that increases with each change of the expected behaviour of PDOs.
     version: u64,
@@ -30,7 +30,7 @@ struct Held {
     raw: Option<u64>,
     /// The value of [`ExpectedValues::writes`] when this value was learned.
     since: u32,
-    /// The value was restored by a reset.
+    /// Whether the value was restored by a reset.
     by_reset: bool,
 }
 

@@ -95,7 +95,7 @@ impl Slave {
         Awaited::Nothing
     }
 
-    /// All three parts have to be equal, in order. A successful selection is not answered either.
+    /// All three parts have to equal the slave's own values, in order. A successful selection is not answered either.
     fn select(&mut self, part: Part, value: Seven, knowledge: &Knowledge) -> Awaited {
         self.at.rule = "switch mode selective";
         if self.at.mode == Mode::Configuration {
@@ -127,7 +127,7 @@ impl Slave {
         }
     }
 
-    /// The names have to be equal, and the serial number within the bounds.
+    /// The names have to equal the slave's own names, and the serial number has to be within the bounds.
     fn identify(&mut self, bound: Bound, value: Seven, knowledge: &Knowledge) -> Awaited {
         self.at.rule = "identify remote slave";
         let (part, limit) = Lmt::limits(bound);

@@ -36,10 +36,10 @@ pub(super) enum OneOf {
 #[derive(Clone, Debug)]
 pub(super) struct Slave {
     pub at: LayerSetting<Lss, OneOf>,
-    /// The device has no active node-ID.
+    /// Whether the device has no active node-ID.
     unconfigured: bool,
     pending: Option<u8>,
-    /// The device began without node-ID and was given one, which a reset may take away again.
+    /// Whether the device began without node-ID and was given one, which a reset may take away again.
     given: bool,
     timing_changed: bool,
     /// The part that Fastscan compares. `None`: Fastscan has not begun, or the part is not known.
@@ -205,7 +205,8 @@ impl Slave {
         }
     }
 
-    /// All four parts have to be equal, in order. Some slaves accept another order if the serial number comes last.
+    /// All four parts have to equal the slave's own values, in order. Some slaves accept another order if the serial
+    /// number comes last.
     fn select(&mut self, part: Part, value: u32, knowledge: &Knowledge) -> Awaited {
         self.at.rule = "switch state selective";
         let Some(address) = knowledge.address else { return Awaited::Anything };

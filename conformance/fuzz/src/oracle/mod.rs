@@ -43,7 +43,7 @@ pub struct Violation {
     pub expected: String,
     /// The actual behaviour.
     pub actual: String,
-    /// The device was silent although an answer was due.
+    /// Whether the device was silent although an answer was due.
     pub is_silence: bool,
     /// The time of the violation.
     pub at: Timestamp,
@@ -65,7 +65,7 @@ pub struct Oracle {
     emcy: emcy::Watch,
     /// The time of the last frame of another node.
     passed: Timestamp,
-    /// A frame had an effect that the models don't follow. Nothing is judged until the next start.
+    /// Whether a frame had an effect that the models don't follow. If so, nothing is judged until the next start.
     blind: bool,
 }
 

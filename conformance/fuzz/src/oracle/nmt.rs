@@ -64,7 +64,7 @@ pub(crate) struct Slave {
     last_heartbeat: Option<Timestamp>,
     /// The time of the last command before the boot-up message.
     commanded_early: Timestamp,
-    /// The last heartbeat may have waited for the bus.
+    /// Whether the last heartbeat may have waited for the bus.
     waited: bool,
     /// A train of frames without a pause, of the device or the fuzzer: the end of its first and of its last frame.
     train: (Timestamp, Timestamp),
@@ -77,9 +77,9 @@ pub(crate) struct Slave {
     jitter: Duration,
     /// Time after a command during which earlier frames may still come.
     grace: Duration,
-    /// The device sends a boot-up message.
+    /// Whether the device sends a boot-up message.
     announces: bool,
-    /// A command came while the device may still have been booting.
+    /// Whether a command came while the device may still have been booting.
     early: bool,
 }
 

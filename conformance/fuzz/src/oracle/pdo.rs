@@ -20,7 +20,7 @@ struct Seen {
     since: Timestamp,
     /// The SYNC messages since the last change.
     count: SyncCount,
-    /// A SYNC came while the device may have been operational.
+    /// Whether a SYNC came while the device may have been operational.
     heard: bool,
     /// Number of SYNC messages and remote frames that may still be answered.
     open: u8,
@@ -29,9 +29,9 @@ struct Seen {
     /// The next PDO may be later by this time, because an inhibit time from before a change of the configuration may
     /// still run.
     lag: Duration,
-    /// The bus was full for a while since the last PDO.
+    /// Whether the bus was full for a while since the last PDO.
     held_up: bool,
-    /// The PDO is due by a remote frame, not by a SYNC.
+    /// Whether a remote frame, not a SYNC, makes the PDO due.
     remote: bool,
     /// The configuration at [`Pdos::version`].
     parameters: Parameters,
@@ -427,7 +427,7 @@ struct Parameters {
     inhibit: Option<Duration>,
     event_timer: Option<Duration>,
     start_value: u64,
-    /// The synchronous window has no end.
+    /// Whether the synchronous window has no end.
     open_window: bool,
     /// Whether an object is mapped. A PDO without mapped objects is not sent.
     mapped: bool,

@@ -67,8 +67,9 @@ pub(super) fn refusal(
     }
 }
 
-/// The signatures "save" and "load", little-endian.
+/// The signature "save", little-endian.
 const SAVE: u64 = 0x6576_6173;
+/// The signature "load", little-endian.
 const LOAD: u64 = 0x6461_6F6C;
 
 /// Bit 30 of 1005h and 1012h: the device produces SYNC or TIME.

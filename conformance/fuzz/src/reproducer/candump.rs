@@ -130,7 +130,7 @@ mod tests {
         fn logs_are_replayed_as_they_were(steps in proptest::collection::vec((frame(), then()), 1..20)) {
             let mut stimuli: Vec<Stimulus> =
                 steps.into_iter().map(|(frame, then)| Stimulus { frame, then }).collect();
-            // The device always gets its time after the last frame.
+            // The device always gets time to answer the last frame.
             if let Some(last) = stimuli.last_mut() {
                 last.then = Then::Settle;
             }

@@ -127,7 +127,8 @@ fn assert_covered(outcome: &Outcome) {
     assert!(reached * 100 >= all * 95, "{reached} of {all}");
 }
 
-/// Most sequences begin where the one before has ended. The coverage is as high as with a new device for each sequence.
+/// Most sequences begin in the state in which the previous sequence has ended. The coverage is as high as with a new
+/// device for each sequence.
 #[test]
 fn few_resets_are_needed() {
     let (outcome, resets) = counted(Faults::NONE, 1_500);

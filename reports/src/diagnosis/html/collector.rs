@@ -59,7 +59,7 @@ impl Collector {
     /// Takes a frame after the diagnosis has taken it.
     ///
     /// # Errors
-    /// None of this collector. Other collectors may write values to a file.
+    /// This collector gives no error. Other collectors write values to a file, which may fail.
     pub fn frame(&mut self, record: &Record, channels: &Channels, observed: &Observed<'_>) -> io::Result<()> {
         self.excerpt.frame(record, observed);
         for event in observed.bus.events() {

@@ -11,15 +11,17 @@ use std::fmt::Write as _;
 const WHOLE: usize = 3_000;
 /// Number of frames shown from the start of a longer capture.
 const OPENING: usize = 40;
-/// Number of frames shown before and after the frame of a finding.
+/// Number of frames shown before the frame of a finding.
 const BEFORE: u64 = 40;
+/// Number of frames shown after the frame of a finding.
 const BEHIND: u64 = 20;
 /// Maximum number of frames around findings.
 const MOST: usize = 30_000;
 /// Maximum number of places of findings of one rule.
 const MOST_OF_RULE: u32 = 30;
-/// Maximum number of bytes of a payload, and of characters of its meaning.
+/// Maximum number of shown bytes of a payload.
 const BYTES: usize = 64;
+/// Maximum number of shown characters of the meaning of a frame.
 const CHARACTERS: usize = 400;
 
 /// Collects the frames to show, in bounded memory.

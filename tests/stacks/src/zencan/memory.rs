@@ -153,7 +153,7 @@ pub fn set_event_flags(now: &Parts, before: &Parts) {
     }
 }
 
-/// Exclusive use of the statics; other threads wait until this is dropped.
+/// Exclusive use of the statics. Other threads wait until the value is dropped.
 pub struct Occupied(());
 
 static IN_USE: Mutex<bool> = Mutex::new(false);

@@ -66,7 +66,7 @@ pub(super) struct Writing {
     pub may: CodeSet,
     /// The reason for the required abort.
     pub why: &'static str,
-    /// A rule of the PDO configuration requires the abort.
+    /// Whether a rule of the PDO configuration requires the abort.
     pub pdo_rule: bool,
 }
 

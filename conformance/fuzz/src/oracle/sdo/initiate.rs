@@ -122,7 +122,7 @@ fn not_supported(knowledge: &Knowledge) -> CodeSet {
     if knowledge.services.block_transfer.is_none() { codes::COMMAND } else { CodeSet::NONE }
 }
 
-/// A server without block transfers may report this before it looks for the object.
+/// A server without block transfers may report this lack before it looks for the object.
 fn with_command(must: CodeSet) -> CodeSet {
     if must.is_empty() { must } else { must.or(codes::COMMAND) }
 }

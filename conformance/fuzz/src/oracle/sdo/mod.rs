@@ -36,9 +36,9 @@ pub(crate) struct Server {
     awaited: Awaited,
     /// When the awaited answer is overdue.
     due: Timestamp,
-    /// A second request came before the answer to the first, so that the next answer can belong to either.
+    /// Whether a second request came before the answer to the first, so that the next answer can belong to either.
     overlapped: bool,
-    /// The last request has an optional answer, and the fuzzer has not waited for silence since then.
+    /// Whether the last request has an optional answer, and the fuzzer has not waited for silence since then.
     unsettled: bool,
     grace: Timestamp,
     /// The NMT state is certain for requests from this time on: its last change is completed by then.
@@ -54,7 +54,8 @@ pub(crate) struct Server {
     command: Command,
     /// The object that the last request named.
     named: Option<Multiplexer>,
-    /// The command of the last request had reserved bits set, so that the server may take it for an unknown command.
+    /// Whether the command of the last request had reserved bits set, so that the server may take it for an unknown
+    /// command.
     odd: bool,
     /// The time at which the client last ended a transfer. The server may have given up the transfer at the same moment
     /// and report this a little later.
@@ -87,8 +88,8 @@ enum TransferState {
         size: u8,
         sequence: u8,
         crc: bool,
-        /// A segment of this block was missing or came twice. The server may confirm the segments before it ahead of
-        /// the block's end.
+        /// Whether a segment of this block was missing or came twice. The server may then confirm the segments before
+        /// it ahead of the block's end.
         gap: bool,
     },
     /// The last segment has come. The client has to end the transfer.
