@@ -185,7 +185,7 @@ struct Scanned {
     node: Option<NodeId>,
 }
 
-/// Looks for a device by Fastscan: one without node-ID, or a configured one that wrongly takes part.
+/// Looks for a device by Fastscan: a device without node-ID, or a configured device that wrongly takes part.
 fn fastscan(exchange: &mut Exchange<'_>, nodes: &BTreeMap<NodeId, Found>) -> Result<Option<Scanned>, BusError> {
     let scanned = match exchange.fastscan(SCAN_PATIENCE)? {
         ScanStep::Found(address) => Some(Scanned { address, node: configured(exchange, address, nodes)? }),

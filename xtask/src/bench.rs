@@ -105,7 +105,7 @@ fn simulated_instructions() -> Result<()> {
     Ok(())
 }
 
-/// Counts and prints: an example with its arguments, for two numbers of exchanges.
+/// Counts and prints the instructions of an example with its arguments, for two numbers of exchanges.
 fn simulated(name: &str, (few, many): (u32, u32), command: impl Fn(&str) -> Vec<String>) -> Result<()> {
     let count = |exchanges: u32| {
         let words = command(&exchanges.to_string());

@@ -72,7 +72,7 @@ pub struct FinalState {
     pub settings: usize,
     /// Number of these settings that were also read after the run.
     pub compared: usize,
-    /// Settings whose value differs from that before the run. Values that change by themselves are left out.
+    /// Settings whose value differs from the value before the run. Values that change by themselves are left out.
     pub different: Vec<Kept>,
 }
 

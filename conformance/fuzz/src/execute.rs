@@ -318,7 +318,7 @@ impl Executor {
         self.history.start(is_repeatable);
         self.condition.in_a_row = 0;
         if !is_repeatable && self.knowledge.services.boot_up_message && self.oracle.is_booting() {
-            // The pending boot-up message would be taken for the one of the next reset.
+            // The pending boot-up message would be taken for the boot-up message of the next reset.
             wait_for_boot_up(stand.bus(), self.knowledge.node, self.knowledge.patience.boot)?;
         }
         let health = stand.bus().health();

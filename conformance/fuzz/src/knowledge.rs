@@ -99,7 +99,7 @@ pub struct Patience {
 
 impl Patience {
     /// The patience for a device with these measured times of answers and of its last start. The time of silence
-    /// depends on the fastest nine of ten answers: a single late one is usually due to the host.
+    /// depends on the fastest nine of ten answers: a single late answer is usually due to the host.
     pub fn measured(self, mut answers: Vec<Duration>, restart: Duration) -> Self {
         answers.sort_unstable();
         let slowest = answers.last().copied().unwrap_or_default();

@@ -35,7 +35,7 @@ pub struct Storm {
 /// A device that failed.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum Broken {
-    /// The device does not answer to its device type after it was switched off and on.
+    /// The device does not answer a request for its device type after it was switched off and on.
     #[error(
         "{model}: expected an answer to the device type after {frames} frames and power-on, found none (seed {seed})"
     )]
@@ -210,7 +210,7 @@ impl Attack<'_> {
         Ok(last)
     }
 
-    /// Whether the device answers to its device type, in the state in which it has started.
+    /// Whether the device answers a request for its device type, in the state in which it has started.
     fn answers(&mut self, attacked: &mut Attacked) -> Result<bool, Broken> {
         let Some(node) = attacked.device.node() else { return Ok(true) };
         let node = u16::from(node.raw());

@@ -1,4 +1,4 @@
-//! The cases that did not apply, grouped by reason, as many share one.
+//! The cases that did not apply, grouped by reason, as many cases share a reason.
 
 use super::Run;
 use canvass_suite::verdict::{Kind, Lack, Reason};

@@ -51,7 +51,7 @@ struct Wishes {
 /// Draws mutants, runs the tools on them and prints the results.
 ///
 /// # Errors
-/// If the program can't be built, or a tool finds something on a right device.
+/// If the program can't be built, or a tool finds something on the device without a mutant.
 pub fn mutants(args: &[String]) -> Result<()> {
     let wishes = Wishes::read(args)?;
     if let Some(area) = wishes.tests {

@@ -39,7 +39,7 @@ pub struct Sheet {
     /// The non-volatile storage of the device.
     #[serde(default)]
     pub storage: Storage,
-    /// The behaviour of the device's application, as read by its profile.
+    /// The behaviour of the device's application, as its profile has read it.
     #[serde(default)]
     pub application: ApplicationSheet,
     /// Values of objects that have no default in the EDS.

@@ -224,8 +224,8 @@ impl Campaign<'_> {
         })
     }
 
-    /// Repeats a history at the careful pace. If it does not show the violation there, the result is the violation as
-    /// seen.
+    /// Repeats a history at the careful pace. If the history does not show the violation at this pace, the result is
+    /// the violation as seen.
     fn confirm_history(
         &mut self,
         stand: &mut dyn TestStand,

@@ -39,7 +39,8 @@ impl Campaign<'_> {
         let key = (violation.property, violation.rule);
         let doubts = match self.seen.get(&key) {
             Some(Standing::Confirmed | Standing::Doubtful(MOST_DOUBTS..)) => {
-                // If the violation is a missing answer, its full time has passed now and need not pass again.
+                // If the violation is a missing answer, its full time has passed now. The fuzzer need not wait for it
+                // again.
                 self.executor.known.take_for_granted(&violation);
                 return Ok(());
             }

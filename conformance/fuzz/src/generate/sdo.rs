@@ -169,7 +169,7 @@ impl Script<'_> {
     }
 
     fn segmented_download(&mut self) {
-        // Few objects have values of variable length, so one of these is preferred now and then.
+        // Few objects have values of variable length, so one of these objects is preferred now and then.
         let text = if self.dice.one_in(4) {
             self.object_where(|known| known.writable && known.size.is_none()).cloned()
         } else {

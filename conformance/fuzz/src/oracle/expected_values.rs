@@ -121,7 +121,7 @@ impl ExpectedValues {
         self.values.get(found)?.raw
     }
 
-    /// The value that a read has to return now, because nothing was written since it was learned.
+    /// The value that a read has to return now, because nothing was written since the value was learned.
     pub fn certain(&self, entry: usize) -> Option<u64> {
         let held = self.values.get(entry).filter(|held| held.since == self.writes && !self.suspended);
         held.and_then(|held| held.raw)
@@ -237,7 +237,7 @@ impl ExpectedValues {
             .is_some_and(|(at, _)| matches!(at.index.0, object::STORE_PARAMETERS | object::RESTORE_DEFAULT_PARAMETERS))
     }
 
-    /// Whether the identifier is that of SYNC: 080h if 1005h is not known.
+    /// Whether the identifier belongs to SYNC: 080h if 1005h is not known.
     pub fn is_sync(&self, can_id: u16) -> bool {
         u64::from(can_id) == self.sync.unwrap_or(0x80) & 0x7FF
     }
@@ -247,7 +247,7 @@ impl ExpectedValues {
         self.sync.is_some_and(|raw| raw >> 30 & 1 != 0)
     }
 
-    /// Whether the identifier is that of the device's EMCY.
+    /// Whether the identifier belongs to the device's EMCY.
     pub fn is_emcy(&self, can_id: u16, node: NodeId) -> bool {
         let predefined = 0x80 + u64::from(node.raw());
         match self.emcy {

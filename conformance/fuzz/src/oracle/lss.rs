@@ -44,7 +44,7 @@ pub(super) struct Slave {
     timing_changed: bool,
     /// The part that Fastscan compares. `None`: Fastscan has not begun, or the part is not known.
     scanning: Option<u8>,
-    /// Until this time an answer may come that was on its way at a reset.
+    /// The time until which an answer that was on its way at a reset may come.
     grace: Timestamp,
 }
 

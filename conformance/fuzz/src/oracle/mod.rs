@@ -202,7 +202,7 @@ impl Oracle {
         Ok(())
     }
 
-    /// Time during which an SDO response may come that was already on its way.
+    /// Time during which an SDO response that was already on its way may come.
     fn late(&self) -> Duration {
         self.nmt.grace().max(self.knowledge.patience.quiet)
     }

@@ -358,7 +358,7 @@ impl Slave {
             return Err(violation(Property::NmtState, "boot-up message", expected, actual, now));
         }
         self.boot_due = Timestamp::MAX;
-        // A command may have been obeyed that came while the boot-up message waited for the bus.
+        // The device may have obeyed a command that came while the boot-up message waited for the bus.
         let commanded_early = self.commanded_early > Timestamp::ZERO && now < self.commanded_early + self.grace;
         Ok(self.enter(now, if commanded_early { Phase::Unsure } else { Phase::Running }))
     }

@@ -29,7 +29,7 @@ pub struct Span {
 /// The silences of a node.
 #[derive(Debug, Default)]
 pub struct Silences {
-    /// The times from the last frame before a silence to the first one after it, in the order of time.
+    /// The times from the last frame before a silence to the first frame after it, in the order of time.
     windows: Vec<(Timestamp, Timestamp)>,
     /// Number of further silences whose times are not known.
     pub left_out: u64,

@@ -113,8 +113,8 @@ pub enum EncoderKind {
     DrawWire,
 }
 
-/// When the universal scaling function works: any scaling, without a jump of the position at the end of the physical
-/// range.
+/// When the universal scaling function works. It allows any scaling without a jump of the position at the end of the
+/// physical range.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum UniversalScaling {

@@ -26,7 +26,7 @@ use canvass_traces::{Duration, Frame, Timestamp};
 /// server need not report it.
 const LASTING: Duration = Duration::from_millis(400);
 
-/// Maximum length of a value whose bytes are compared. Of a longer one only the length is judged.
+/// Maximum length of a value whose bytes are compared. Of a longer value only the length is judged.
 const LONGEST: usize = 1 << 16;
 
 /// The model of the server.
