@@ -1,8 +1,8 @@
 //! Texts from a bus or a file are hostile: a device may call itself `<script>`, `ESC [2J` or `=cmd()`. Every renderer
 //! escapes them with the functions of this module.
 //!
-//! The writers of markup (maud, quick-junit, serde_json) escape it. They leave characters alone that act on terminals
-//! and spreadsheets, that reorder text, or that XML forbids.
+//! The writers of markup (maud, quick-junit, serde_json) escape markup. They do not escape characters that act on
+//! terminals and spreadsheets, that reorder text, or that XML forbids.
 //!
 //! All output is escaped: standard output and reports are a [`Visible`], texts printed at once are a [`Printable`], and
 //! messages on standard error go through [`printable`]. There is no way around this: only one place has access to the

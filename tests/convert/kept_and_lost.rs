@@ -12,7 +12,7 @@ struct Kept {
     format: Format,
     /// The losses from [`recording::log`].
     lost: &'static [Loss],
-    /// The losses from other recordings only; each has its test below.
+    /// The losses from other recordings only; each of these losses has its test below.
     lost_elsewhere: &'static [Loss],
     /// The row after writing and reading; `None` if the format can't hold the row.
     row: fn(RecordContent, &mut Numbers) -> Option<RecordContent>,

@@ -118,7 +118,7 @@ impl Proxy {
         String::from_utf8_lossy(&self.way().sent).matches(text).count() >= times
     }
 
-    /// The lines from programs that begin with this text, without it.
+    /// The lines from programs that begin with this text, without the text.
     pub fn frames(&self, begin: &str) -> Vec<String> {
         let sent = String::from_utf8_lossy(&self.way().sent).into_owned();
         sent.split('\r').filter_map(|line| line.strip_prefix(begin)).map(str::to_owned).collect()

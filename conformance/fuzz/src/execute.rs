@@ -233,7 +233,8 @@ impl Executor {
             self.condition.left = Left::Unknown;
         }
         let is_begun = Cell::new(self.condition.left != Left::Unknown);
-        // A device in this process can panic. Its remains are not used any more; the next start makes a new device.
+        // A device in this process can panic. The panicked device is not used any more; the next start makes a new
+        // device.
         let ended = catch_unwind(AssertUnwindSafe(|| self.attempt(stand, sequence, &is_begun)));
         let ended = ended.unwrap_or_else(|panic| {
             let violation = self.death(DEATH, "a device that lives", &panicked(&*panic));

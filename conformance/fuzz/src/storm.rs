@@ -102,7 +102,7 @@ struct Attack<'a> {
     dice: Dice<'a>,
     done: Storm,
     seed: u64,
-    /// The frame before, which may be sent again with one byte changed.
+    /// The previous frame, which may be sent again with one byte changed.
     last: Option<Frame>,
 }
 

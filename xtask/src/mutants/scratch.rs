@@ -1,4 +1,4 @@
-//! The mutated workspace: links to the crates, and a rewritten copy of the mutated one.
+//! The mutated workspace: links to the crates, and a rewritten copy of the mutated crate.
 
 use super::area::{self, Area};
 use super::constants::called_in_constants;

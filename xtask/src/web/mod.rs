@@ -84,7 +84,7 @@ pub fn file() -> Result<std::path::PathBuf> {
     Ok(std::fs::canonicalize(format!("{FOLDER}/canvass.html"))?)
 }
 
-/// Makes and tests the page: the same bytes as the program's for every sample, and no request in Chromium.
+/// Makes and tests the page: the same bytes as the program for every sample, and no request in Chromium.
 ///
 /// # Errors
 /// If the page can't be made, or a test fails.

@@ -125,7 +125,7 @@ fn name<'a>(text: &'a str, piece: &str) -> Option<(DeviceName, &'a str)> {
     if Fault::from_str(piece.split("~~").next().unwrap_or(piece)).is_ok() {
         return None;
     }
-    // A path may contain separators: it ends at the first extension that is followed by one.
+    // A path may contain separators: it ends at the first extension that a separator follows.
     let lower = text.to_ascii_lowercase();
     let ends = DESCRIPTIONS.iter().flat_map(|ending| lower.match_indices(ending).map(|(at, _)| at + ending.len()));
     let end = ends

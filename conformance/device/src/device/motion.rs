@@ -24,7 +24,7 @@ enum Course {
     Sine { amplitude: f64, period: f64 },
     /// From rest to `speed` in units per second within `rise` seconds, then steady.
     Ramp { speed: f64, rise: f64 },
-    /// Through these points; at rest before the first and after the last one.
+    /// Through these points; at rest before the first point and after the last one.
     Points(Arc<[Knot]>),
 }
 

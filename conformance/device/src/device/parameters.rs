@@ -36,7 +36,7 @@ impl Deref for Held<'_> {
 }
 
 impl<'a> Held<'a> {
-    /// Whether the value differs from the delivered one. A COB-ID that follows the node-ID always counts as changed.
+    /// Whether the value differs from the delivered value. A COB-ID that follows the node-ID always counts as changed.
     pub fn is_changed(&self) -> bool {
         match &self.default {
             Default::Fixed(content) => self.fitted(content.clone()) != *self.content,

@@ -1,5 +1,5 @@
-//! Shortening of confirmed violations. On a simulated bus it is done at once. On a live device it is done a little at a
-//! time, so that most of the run remains for new sequences.
+//! Shortening of confirmed violations. On a simulated bus, shortening is done at once. On a live device, it is done a
+//! little at a time, so that most of the run remains for new sequences.
 
 use super::violations::{Confirmed, is_same};
 use super::{Campaign, Found, Standing};

@@ -14,7 +14,7 @@ use canvass_bus::BusError;
 use canvass_traces::{Direction, Duration};
 
 impl Executor {
-    /// Whether a sequence goes on after a violation that was reported before. The rest of the sequence may show more.
+    /// Whether a sequence continues after a violation that was reported before. The rest of the sequence may show more.
     pub(super) fn is_tolerated(&self, stand: &dyn TestStand, violation: &Violation) -> bool {
         self.waits.pace == Pace::Swift
             && !stand.is_repeatable()

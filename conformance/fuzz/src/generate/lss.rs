@@ -37,7 +37,7 @@ impl Script<'_> {
         }
     }
 
-    /// Brings the slave into a state. A state without node-ID is reached only if the sequence begins without one.
+    /// Brings the slave into a state. A state without node-ID is reached only if the sequence begins without node-ID.
     fn reach_lss(&mut self, state: LssState) {
         let [vendor, ..] = self.address();
         match state {

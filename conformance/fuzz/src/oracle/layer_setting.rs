@@ -387,7 +387,8 @@ mod tests {
         assert_eq!(rule_of(&mut at, Response::Switched), "inquire node-ID");
     }
 
-    /// Feeds parts of the own address or of others one after the other. Returns whether the slave is then addressed.
+    /// Feeds parts of the slave's own address or of other addresses one after the other. Returns whether the slave is
+    /// then addressed.
     #[test]
     fn parts_of_others_leave_open_whether_the_address_goes_on() {
         let end = |parts: &[(Part, bool)]| {
