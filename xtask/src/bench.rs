@@ -161,7 +161,7 @@ pub fn make(format: &str, frames: u32, path: &str) -> Result<()> {
     Ok(())
 }
 
-/// Builds the measured programs, and the one that makes the traffic.
+/// Builds the measured programs, and the program that makes the traffic.
 pub fn build() -> Result<()> {
     run("cargo", &["build", "--release", "--locked"])?;
     run("cargo", &["build", "--release", "--locked", "--package", "canvass-traces", "--examples"])

@@ -44,7 +44,7 @@ pub fn fuzz(seconds: u32) -> Result<()> {
     }
     if !is_there("cargo", &["fuzz", "--version"]) {
         consent::ask("cargo-fuzz", "cargo install cargo-fuzz --locked --debug")?;
-        // cargo-fuzz only calls other programs: optimising it would take longer than it runs.
+        // cargo-fuzz only calls other programs: its optimisation would take longer than its run.
         run("cargo", &["install", "cargo-fuzz", "--locked", "--debug", "--quiet"])?;
     }
     run("cargo", &["+nightly", "fuzz", "build", "--fuzz-dir", FOLDER])?;

@@ -8,8 +8,8 @@ use canvass_traces::Duration;
 /// Number of violations that did not come back after which the device is not assumed to serve requests in their order.
 const MOST_DOUBTS: u32 = 3;
 
-/// Number of sequences since the last violation that did not come back after which the required silence is halved, down
-/// to the measured time.
+/// The required silence is halved, but not below the measured time, after this number of sequences in which each
+/// violation came back.
 const REGAINED: u32 = 64;
 
 /// The trust in one of the device's services.
@@ -30,7 +30,7 @@ impl Trust {
         self.quiet = self.quiet.times(2).min(longest);
     }
 
-    /// Counts a sequence in which each violation came back. After [`REGAINED`] of them the required silence gets
+    /// Counts a sequence in which each violation came back. After [`REGAINED`] such sequences the required silence gets
     /// shorter again, as the host may have caused the late answer.
     fn regain(&mut self, measured: Duration) {
         self.since_doubt += 1;

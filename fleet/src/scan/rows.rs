@@ -194,7 +194,7 @@ impl Happenings {
     }
 
     /// Outputs the transfers that had not ended at the end of the capture; `skipped` is the time of the last frame if
-    /// that was skipped.
+    /// that frame was skipped.
     pub fn finish(
         &self,
         capture: &str,

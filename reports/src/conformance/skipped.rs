@@ -38,7 +38,7 @@ impl Skipped {
     }
 }
 
-/// The needed feature and the actual one, or only the actual one if its text contains the needed one.
+/// The needed and the actual feature; only the actual feature if its text contains the needed one.
 fn sentence(reason: &Reason, allow: &str) -> String {
     let Reason { expected, actual, lack, .. } = reason;
     if *lack == Lack::Permission {

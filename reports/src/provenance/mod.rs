@@ -25,7 +25,7 @@ pub struct Provenance {
     pub host: Option<Host>,
     /// The bus that was used; none if canvass read files.
     pub bus: Option<BusUsed>,
-    /// The identities of the devices as they report it, each with the name of the device: `node 63`.
+    /// The identities of the devices as the devices report them, each with the name of the device: `node 63`.
     pub devices: Vec<(String, DeviceIdentity)>,
     /// The seed of all random choices.
     pub seed: Option<u64>,

@@ -190,7 +190,7 @@ const fn marked(kind: Kind) -> Verdict {
     }
 }
 
-/// The number of the family, and of the case in it, both from 1 and at most 255.
+/// The number of the family, and the number of the case in the family; both from 1 and at most 255.
 fn place_of(case: &Case) -> (u8, u8) {
     let (mut group, mut number, mut family) = (0_u8, 0_u8, "");
     for known in catalogue::cases() {

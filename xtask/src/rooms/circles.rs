@@ -20,7 +20,7 @@ pub fn of(read: &Crate) -> Vec<String> {
     levels.iter().flat_map(|(folder, level)| circles(read, folder, level)).collect()
 }
 
-/// The circles of one level, each once: the shortest way from its first name back.
+/// The circles of one level, each circle once: the shortest way from its first name back to this name.
 fn circles(read: &Crate, folder: &[String], level: &Level<'_>) -> Vec<String> {
     let mut known: BTreeSet<BTreeSet<&str>> = BTreeSet::new();
     let mut found = Vec::new();

@@ -214,7 +214,7 @@ impl LmtSlave {
         }
     }
 
-    /// Activates the bit rate: silence for one delay before the change and one after it.
+    /// Activates the bit rate: silence for one delay before the change and one delay after it.
     fn activate(&mut self, now: Timestamp, delay: Duration, context: &mut Context) {
         self.in_use_kbit = self.pending.kbit.unwrap_or(self.in_use_kbit);
         if !context.has(Fault::LmtActivationNotSilent) && delay > Duration::ZERO {

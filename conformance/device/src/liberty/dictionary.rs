@@ -116,7 +116,7 @@ fn objects(edit: &mut Edit<'_>, liberties: Liberties) {
         edit.remove_subs(first..=last, low..=high);
     }
     if liberties.has(Liberty::NamesEndInNul) {
-        // A text in an EDS can't end in 00h, so only the device has the byte.
+        // A text in an EDS can't end in 00h, so only the text in the device gets this byte.
         (object::MANUFACTURER_DEVICE_NAME..=object::MANUFACTURER_SOFTWARE_VERSION)
             .for_each(|index| edit.end_in_nul(index));
     }

@@ -160,7 +160,7 @@ impl Campaign<'_> {
             && (self.executor.is_in_order(violation.property) || is_mixable(violation))
     }
 
-    /// Reports that the device did not come back from a reset, with the frames sent since the start before. `dead`:
+    /// Reports that the device did not come back from a reset, with the frames sent since the previous start. `dead`:
     /// further resets did not bring it back either.
     pub(super) fn lose(&mut self, stand: &mut dyn TestStand, violation: Violation, dead: bool) -> Result<(), BusError> {
         self.dead |= dead;

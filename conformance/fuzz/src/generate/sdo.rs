@@ -259,7 +259,7 @@ impl Script<'_> {
         }
     }
 
-    /// Adds the segments of a block. Returns the number of unused bytes in the last one.
+    /// Adds the segments of a block. Returns the number of unused bytes in the last segment.
     fn block_segments(&mut self, value: &[u8]) -> u8 {
         let count = value.len().div_ceil(7).max(1);
         let mistake = if self.dice.one_in(3) { self.dice.below(count) } else { usize::MAX };

@@ -441,7 +441,7 @@ impl Oracle {
         wait.into_iter().chain(wake)
     }
 
-    /// Records that an object keeps this value, although the start should have restored another one.
+    /// Records that an object keeps this value, although the start should have restored another value.
     pub fn holds(&mut self, at: Multiplexer, value: u64) {
         self.expected_values.holds(&self.knowledge, at, value);
     }

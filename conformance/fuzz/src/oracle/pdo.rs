@@ -359,7 +359,7 @@ impl Seen {
         }
         if let Some(len) = parameters.length
             && frame.len() != len
-            // Type 252 sends the data of the last SYNC, maybe from before the configuration.
+            // A TPDO of type 252 contains the data of the last SYNC, which may have come before the configuration.
             && parameters.transmission != Some(252)
             && !(frame.len() == 8 && knowledge.services.padded_tpdos.contains(&(self.index - 0x17FF)))
             && now.since(self.since) > jitter
@@ -385,7 +385,7 @@ impl Seen {
             return wrong("synchronous TPDO", expected, actual);
         }
         if std::mem::take(&mut self.held_up) {
-            // The PDO waited for the bus; the next one may come in time and thus too soon after it.
+            // The PDO waited for the bus; the next PDO may come in time, and thus too soon after this PDO.
             (self.last, self.since) = (None, now);
         }
         if asked {

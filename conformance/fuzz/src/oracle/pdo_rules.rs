@@ -90,7 +90,7 @@ fn in_use(
     changes.then_some((codes::REFUSED, "the CAN-ID changes only while it is not in use"))
 }
 
-/// Refuses another identifier while the old one is valid. Bit 31 marks an identifier as invalid.
+/// Refuses another identifier while the old identifier is valid. Bit 31 marks an identifier as invalid.
 fn while_valid(at: Multiplexer, raw: u64, knowledge: &Knowledge, expected_values: &ExpectedValues) -> Option<Refusal> {
     let (old, new) = (CobId(expected_values.number(knowledge, at.index.0, at.sub.0)? as u32), CobId(raw as u32));
     let changes = old.is_valid() && new.is_valid() && old.can_id() != new.can_id();

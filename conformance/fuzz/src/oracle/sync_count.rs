@@ -52,7 +52,7 @@ impl SyncCount {
             return !self.in_step;
         }
         let kind = u64::from(kind);
-        // If a second TPDO could already have been due, this one may stand for both.
+        // If a second TPDO could already have been due, this TPDO may stand for both.
         let last = if first + kind <= self.syncs { self.syncs } else { last.min(self.syncs) };
         self.next = Some((first + kind, last + kind));
         true

@@ -348,7 +348,7 @@ fn a_device_that_needs_another_reset_is_a_violation_too_and_the_run_goes_on() {
     assert!(!found.evidence.is_empty(), "{:#?}", told(&outcome));
 }
 
-/// An earlier sequence has made the device operational, and the last one alone shows nothing from power-on.
+/// An earlier sequence has made the device operational. Without it, the last sequence shows nothing from power-on.
 #[test]
 fn a_violation_that_needs_an_earlier_command_has_a_short_reproducer() {
     for seed in 1..=6 {

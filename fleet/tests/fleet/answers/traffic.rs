@@ -207,7 +207,7 @@ impl Bus {
         self.send(0x106, &[!byte, !1]);
     }
 
-    /// LSS gives a device another node-ID, and the device starts; or a device starts as before CiA 301 V4.
+    /// LSS gives a device another node-ID, and the device starts; or a device reports its start as before CiA 301 V4.
     fn renamed(&mut self, node: u32) {
         if self.random.below(2) == 0 {
             return self.send(0x80 + node, &[]);

@@ -216,7 +216,7 @@ impl Excerpt {
         }
     }
 
-    /// All frames to show, in their order. Frames of exhibits are added if they are not among them.
+    /// All frames to show, in their order. Frames of exhibits that are missing are added.
     pub fn finish<'e>(mut self, exhibits: impl Iterator<Item = &'e Exhibit>) -> Vec<Shown> {
         while let Some((_, key)) = self.due.pop_front() {
             self.keep(key, true);

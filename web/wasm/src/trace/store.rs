@@ -106,7 +106,7 @@ impl Store {
         true
     }
 
-    /// Keeps a snapshot of the network before a block, if the block is one that gets a snapshot.
+    /// Keeps a snapshot of the network before a block, if it is the turn of this block.
     fn remember(&mut self, block: usize, network: &Network, buses: usize) {
         let most = (Self::SNAPSHOTS / buses.max(1)).max(2);
         if block == self.snapshots.len() * self.spacing {

@@ -360,7 +360,7 @@ impl Server {
             return self.block_segment(segment, knowledge);
         }
         if let [0x81..=0x9F, ..] = frame.data() {
-            // The standard leaves open whether an abort with reserved bits set is one.
+            // The standard leaves open whether a frame with reserved bits set counts as an abort.
             self.give_up(expected_values);
             self.state = TransferState::Unsure;
             return Awaited::Anything;

@@ -108,7 +108,7 @@ impl Server {
         self.judge_response(awaited, response, frame, knowledge, expected_values)
     }
 
-    /// Takes the allowed answers, as each request has only one answer.
+    /// Returns the allowed answers, and forgets them, as each request has only one answer. `Anything` is kept.
     fn take_awaited(&mut self) -> Awaited {
         let awaited = self.awaited;
         if awaited != Awaited::Anything {
