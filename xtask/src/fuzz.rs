@@ -35,8 +35,8 @@ fn seeds(target: &str) -> &'static [&'static str] {
     }
 }
 
-/// Runs every target for `seconds` seconds. The sanitizers need a nightly toolchain; without one only the property
-/// tests remain, which every test run includes.
+/// Runs every target for `seconds` seconds. The sanitizers need a nightly toolchain. Without this toolchain only the
+/// property tests remain, which every test run includes.
 pub fn fuzz(seconds: u32) -> Result<()> {
     if !is_there("cargo", &["+nightly", "--version"]) {
         eprintln!("no nightly toolchain: fuzzing is left out, the property tests still run");

@@ -8,7 +8,7 @@ use canvass_analyzer::wire::nmt::{self, Command, Nmt};
 use canvass_analyzer::wire::sdo::REQUEST_BASE;
 use std::collections::BTreeSet;
 
-/// The effect of a frame. A later frame with the same effect makes an earlier one superfluous.
+/// The effect of a frame. A later frame with the same effect makes an earlier frame superfluous.
 #[derive(PartialEq, Eq, PartialOrd, Ord)]
 enum Effect {
     State,

@@ -75,7 +75,7 @@ impl SequenceTree {
         self.variant.as_ref().unwrap_or(&self.best)
     }
 
-    /// Returns to the variant that was to be tried, or makes the next one. `false` if there is none.
+    /// Returns to the variant that was to be tried, or makes the next variant. `false` if there is none.
     pub(super) fn go_on(&mut self) -> bool {
         self.variant.is_some() || self.advance()
     }

@@ -171,7 +171,7 @@ impl Opened {
         Ok(out)
     }
 
-    /// Sets the hashes of the captures, which another worker has computed; `None` for an unreadable one.
+    /// Sets the hashes of the captures, which another worker has computed; `None` for an unreadable capture.
     pub fn hashed(&mut self, hashes: &[Option<String>]) {
         let captures = self.provenance.files.iter_mut().filter(|file| file.role == "capture");
         for ((used, (file, _)), hash) in captures.zip(self.input.files()).zip(hashes) {

@@ -50,7 +50,7 @@ for table in ('messages', 'signals', 'events'):
     duckdb.sql(f\"CREATE VIEW {table} AS SELECT * FROM read_parquet('{sys.argv[1]}/{table}/*/*.parquet', hive_partitioning=true)\")
 duckdb.sql(sys.argv[2]).fetchall()";
 
-/// The usual way today: read the frames into a data frame, and query that.
+/// The usual way today: read the frames into a data frame, and query the data frame.
 const PANDAS: &str = "import sys, can, pandas
 frames = pandas.DataFrame([(m.timestamp, m.arbitration_id, bytes(m.data)) for m in can.CanutilsLogReader(sys.argv[1])],
     columns=['t', 'id', 'data'])

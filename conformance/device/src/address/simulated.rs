@@ -218,7 +218,7 @@ fn unreadable(path: &str, reason: &str) -> BusError {
     BusError::Address { address: path.to_owned(), reason: reason.to_owned() }
 }
 
-/// The node-IDs of the devices: each has the given node-ID, else the model's, else the next free one.
+/// The node-IDs of the devices: the given node-ID, else the model's or, if that is taken, the next free node-ID.
 pub(super) fn assign(devices: &[(&SimulatedDevice, &'static Model)]) -> Vec<Option<NodeId>> {
     let mut taken: Vec<NodeId> = devices.iter().filter_map(|(device, _)| device.given_id()).collect();
     let assign = |(device, model): &(&SimulatedDevice, &'static Model)| match device.node {

@@ -67,7 +67,7 @@ impl HeartbeatProducer {
         if self.burst > 0 {
             self.burst -= 1;
         } else {
-            // The next heartbeat is due relative to the planned time of this one, so that delays do not add up.
+            // The next heartbeat is due relative to the planned time of this heartbeat, so that delays do not add up.
             self.due += self.period;
         }
         let wrong = firmware.has(Fault::HeartbeatWrongState);

@@ -1,4 +1,4 @@
-//! The SDO channels of a device: the default channel, and further ones (1201h to 127Fh), each with its own server.
+//! The SDO channels of a device: the default channel, and further channels (1201h to 127Fh), each with its own server.
 
 use super::context::Context;
 use super::nmt;

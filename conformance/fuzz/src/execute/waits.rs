@@ -26,7 +26,7 @@ pub(crate) struct Waits {
     pub probing: bool,
     /// The last frame that the device or another node has sent.
     heard: Option<Frame>,
-    /// Number of own frames that were handed over and have not been on the bus.
+    /// Number of own frames that were handed over and have not been on the bus yet.
     pub outstanding: usize,
 }
 
@@ -80,7 +80,7 @@ impl Executor {
             && !self.known.answers_too_much()
     }
 
-    /// Waits until the answers that are due have come, or until silence has lasted long enough if none is due.
+    /// Waits until the answers that are due have come, or until silence has lasted long enough if no answer is due.
     pub(super) fn settle(&mut self, stand: &mut dyn TestStand) -> Result<(), Stop> {
         let begun = stand.bus().now();
         let ended = self.wait_for_answers(stand);
@@ -358,7 +358,7 @@ enum Received {
     Nothing,
     /// An own frame, or an answer of a server or slave.
     Answer,
-    /// A frame of another node, or one outside the device's predefined connection set.
+    /// A frame of another node, or a frame outside the device's predefined connection set.
     Bystander,
     /// Any other frame, such as a heartbeat or a PDO.
     Other,

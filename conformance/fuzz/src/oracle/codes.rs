@@ -71,7 +71,7 @@ impl CodeSet {
 /// Maximum number of codes named after the best one. Further codes are only counted.
 const MOST_NAMED: usize = 2;
 
-/// The general code, which CiA's own tool accepts instead of any specific one.
+/// The general code, which CiA's own tool accepts instead of any specific code.
 pub(super) const GENERAL: CodeSet = CodeSet::of(&[AbortCode::GENERAL]);
 /// The object does not exist.
 pub(super) const NO_OBJECT: CodeSet = CodeSet::in_situation(Situation::MissingObject);

@@ -37,7 +37,7 @@ impl Watch {
         *self = Self::new();
     }
 
-    /// The fuzzer has sent a frame, so that an error reported from now on may be a new one.
+    /// The fuzzer has sent a frame, so that an error reported from now on may be a new error.
     pub fn provoked(&mut self, frame: &Frame, is_sdo: bool) {
         self.last = None;
         if !is_sdo {

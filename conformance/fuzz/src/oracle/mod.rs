@@ -1,7 +1,7 @@
 //! Reference models of a CANopen device: the frames that it must, may and must not send.
 //!
 //! The models are written from the standard and share no code with the simulated device, because an oracle that shares
-//! code with a device shares its mistakes. Each service has a file; this one passes each frame to its service. If the
+//! code with a device shares its mistakes. Each service has a file; this file passes each frame to its service. If the
 //! standard leaves a choice, every choice is right. After a frame that the standard does not describe, a model judges
 //! nothing until it knows the state again.
 

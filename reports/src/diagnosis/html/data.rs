@@ -45,7 +45,7 @@ struct Node {
     boot_ups: Vec<i64>,
     /// Number of periods of silence that `states` does not list.
     silent: u64,
-    /// EMCY messages by time: the time of the first, its error code in words, and the number of messages.
+    /// EMCY messages by time: the time of the first message, its error code in words, and the number of messages.
     emergencies: Vec<(i64, String, u64)>,
 }
 
