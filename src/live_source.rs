@@ -26,7 +26,7 @@ pub fn live<R: Read>(
     let (sender, chunks) = sync_channel(4);
     thread::spawn(move || match open() {
         Ok(source) => read_all(source, &sender),
-        // The receiver gets the error; if it is gone, nobody needs the error.
+        // The receiver gets the error; if the receiver is gone, nobody needs the error.
         Err(error) => _ = sender.send(Err(error)),
     });
     LiveSource { chunks, chunk: io::Cursor::default(), output, interrupt }

@@ -38,7 +38,7 @@ impl WholeFile {
                 // A read-only file must not be replaced by renaming either.
                 OpenOptions::new().write(true).open(path).with_context(failed)?;
                 let place = fs::canonicalize(path).with_context(failed)?;
-                // If the folder takes no new files, the complete file is copied over the old one.
+                // If the folder takes no new files, the complete file is copied over the old file.
                 let part = beside(&place).or_else(|_| Builder::new().tempfile()).with_context(failed)?;
                 part.as_file().set_permissions(metadata.permissions()).with_context(failed)?;
                 Part::Beside(part, place)

@@ -199,7 +199,7 @@ const CASES: [&str; 2] = ["--select", "301/sdo/download/second-toggle,301/sdo/do
 
 impl Bench {
     /// Starts the cases, and waits until the first two are over: each begins with a reset, and ends with at most one
-    /// more.
+    /// more reset.
     fn start_test(&self, more: &[&str]) -> Child {
         let args = ["test", "BUS", "--node", "10", "--device", "reference-301", "--format", "json"];
         let child = self.start(&[&args[..], &CASES, more].concat());

@@ -131,7 +131,7 @@ const MOST_VIOLATIONS: usize = 25;
 
 /// Number of sequences after which the fuzzer again looks for the least exercised combination of state and command.
 const REFOCUS: u64 = 64;
-/// The same number on a live device, where a sequence takes much longer.
+/// [`REFOCUS`] for a live device, where a sequence takes much longer.
 const REFOCUS_LIVE: u64 = 4;
 
 /// On a live device, at most one part in [`PAUSES`] of the time is spent in pauses.

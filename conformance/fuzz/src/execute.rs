@@ -366,8 +366,8 @@ impl Executor {
     }
 
     /// Handles a violation that did not come back: an answer may have come too late, or the device may serve later
-    /// frames before earlier ones. Silence has to last longer for a while. If this happens again and again, the fuzzer
-    /// waits for silence after each frame.
+    /// frames before earlier frames. Silence has to last longer for a while. If this happens again and again, the
+    /// fuzzer waits for silence after each frame.
     pub fn distrust(&mut self, property: Property) {
         self.tally.unjudged += 1;
         self.waits.trusts.doubt(property, self.knowledge.patience.answer);

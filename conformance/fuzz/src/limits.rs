@@ -74,7 +74,7 @@ fn mapping(at: Multiplexer, request: &[u8], knowledge: &Knowledge, allow: &BTree
     }
 }
 
-/// The effect of writing the object that the user has not allowed. `None`: it may be written.
+/// The effect of writing the object that the user has not allowed. `None`: the object may be written.
 pub fn writing(at: Multiplexer, knowledge: &Knowledge, allow: &BTreeSet<Touch>) -> Option<Forbidden> {
     let unless = |touch: Touch| (!allow.contains(&touch)).then_some(Forbidden::Touch(touch));
     let services = &knowledge.services;

@@ -9,7 +9,7 @@ use super::seeds::{Seed, Seeds};
 pub enum Mutation {
     /// Bytes are replaced by random bytes.
     Bytes,
-    /// A field of a row, or a number of a binary file, is replaced by one that is difficult for readers.
+    /// A field of a row, or a number of a binary file, is replaced by a value that is difficult for readers.
     Field,
     /// A row, or a piece of a binary file, is doubled.
     Duplicated,

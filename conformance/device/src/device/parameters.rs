@@ -216,7 +216,7 @@ impl Parameters {
         })
     }
 
-    /// The keys in the section of a key, and the position of the first of them.
+    /// The keys in the section of a key, and the position of the first key of the section.
     fn section(&self, key: u32) -> (usize, &[u32]) {
         let section = (key >> SECTION) as usize;
         let bounds = self.sections.get(section).zip(self.sections.get(section + 1));

@@ -44,7 +44,7 @@ struct Tpdo {
     waiting: bool,
     /// Whether the TPDO still waits for the SYNC with the start value.
     awaits_start: bool,
-    /// Whether a SYNC came before operational, for a firmware that remembers it.
+    /// Whether a SYNC came before operational, for a firmware that remembers this SYNC.
     remembered: bool,
     /// Number of SYNCs since the last transmission.
     syncs: u8,

@@ -324,7 +324,7 @@ impl Oracle {
         self.passed = now;
     }
 
-    /// The time at which the earliest outstanding answer is overdue; `None` if none is outstanding.
+    /// The time at which the earliest outstanding answer is overdue; `None` if no answer is outstanding.
     pub fn due(&self) -> Option<Timestamp> {
         if self.blind {
             return None;

@@ -411,7 +411,7 @@ impl Machine for Deaf {
     }
 }
 
-/// The boot-up message of an earlier reset is not taken for the one of the next reset, during which requests are lost.
+/// The boot-up message of an earlier reset is not taken for that of the next reset, during which requests are lost.
 #[test]
 fn a_reset_that_is_under_way_is_waited_for() {
     let device = Device::new(model(), Some(NODE), Fault::SdoToggleWrongCode, 0);

@@ -80,7 +80,7 @@ struct Finding {
     channel: Option<usize>,
     t: i64,
     count: u64,
-    /// The number (from 1) of the finding from which this one follows.
+    /// The number (from 1) of the finding from which this finding follows.
     of: Option<usize>,
 }
 
