@@ -352,13 +352,13 @@ impl Coverage {
         sdo + lss
     }
 
-    /// Number of reachable SDO combinations that were seen, and number of all.
+    /// Number of reachable SDO combinations that were seen, and number of all reachable SDO combinations.
     pub fn sdo_share(&self, reach: SdoReach) -> (usize, usize) {
         let pairs: Vec<_> = Self::sdo_pairs(reach).collect();
         (pairs.iter().filter(|&&(state, command)| self.sdo_count(state, command) > 0).count(), pairs.len())
     }
 
-    /// Number of reachable LSS combinations that were seen, and number of all.
+    /// Number of reachable LSS combinations that were seen, and number of all reachable LSS combinations.
     pub fn lss_share(&self, reach: &LssReach) -> (usize, usize) {
         let pairs: Vec<_> = Self::lss_pairs(reach).collect();
         (pairs.iter().filter(|&&(state, command)| self.lss_count(state, command) > 0).count(), pairs.len())

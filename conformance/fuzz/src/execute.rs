@@ -360,7 +360,7 @@ impl Executor {
         ended
     }
 
-    /// Makes the next sequence begin with a reset, whatever state the last one has left.
+    /// Makes the next sequence begin with a reset, whatever state the last sequence has left.
     pub const fn forget_rest(&mut self) {
         self.condition.left = Left::Unknown;
     }

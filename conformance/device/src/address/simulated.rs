@@ -10,7 +10,7 @@
 //! description (`.eds`, `.dcf`, `.xdd`, `.xdc`) follows. The bit rate of the first device is that of the bus; another
 //! device with a different bit rate does not understand the frames on the bus. `NODE` is 1 to 127, or 255 for a device
 //! that waits for LSS to assign its node-ID. Without `NODE`, a device has the node-ID of its model or, if an earlier
-//! device has that node-ID, the next free one.
+//! device has that node-ID, the next free node-ID.
 
 use super::parse_bit_rate;
 use crate::models::{self, Model};

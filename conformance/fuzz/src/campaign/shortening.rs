@@ -43,7 +43,7 @@ pub(super) struct Shortening {
     spent: Duration,
     /// The frames on the bus during the shortest sequence so far, if they are kept.
     evidence: Vec<Record>,
-    /// The sequences that showed the violation, each shorter than the one before.
+    /// The sequences that showed the violation, each shorter than the previous sequence.
     shown: Vec<Sequence>,
     /// Whether a try ended as soon as a known answer was missing, before its full time.
     has_hurried: bool,

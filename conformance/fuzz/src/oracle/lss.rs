@@ -172,7 +172,7 @@ impl Slave {
     fn only_if(&self, condition: bool, response: Response) -> Awaited {
         match (condition, self.pending) {
             (true, _) => Awaited::Exactly(response),
-            // CiA 305 leaves open what a pending node-ID means for a device that has no active one.
+            // CiA 305 leaves open what a pending node-ID means for a device that has no active node-ID.
             (false, Some(_)) => Awaited::Anything,
             (false, None) => Awaited::Nothing,
         }

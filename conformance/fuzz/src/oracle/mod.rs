@@ -302,7 +302,7 @@ impl Oracle {
     }
 
     fn emcy_came(&mut self, now: Timestamp, can_id: u16, frame: &Frame) -> Result<(), Violation> {
-        // If a PDO has the identifier of EMCY, or is just being given it, the two can't be distinguished.
+        // If a PDO has the identifier of EMCY, or is just being configured to it, PDO and EMCY can't be distinguished.
         let shares = self.pdo.shares(now, can_id, &self.expected_values, &self.knowledge);
         let judged = self.emcy.came(now, frame, &self.nmt);
         if !shares && !self.sdo.is_writing() {

@@ -33,7 +33,7 @@ impl SyncCount {
         self.in_step = false;
     }
 
-    /// Counts a SYNC. `true`: it is the last one that may cause the TPDO of transmission type `kind`.
+    /// Counts a SYNC. `true`: it is the last SYNC that may cause the TPDO of transmission type `kind`.
     pub fn sync(&mut self, kind: u8) -> bool {
         self.syncs += 1;
         let (_, last) = self.next.unwrap_or((1, kind.into()));

@@ -67,7 +67,7 @@ struct Signal {
     node: u8,
     label: String,
     unit: String,
-    /// The times of the values, each as the difference from the one before.
+    /// The times of the values, each as the difference from the previous time.
     t: Vec<i64>,
     v: Vec<f64>,
 }
