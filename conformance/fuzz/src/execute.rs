@@ -87,7 +87,8 @@ pub(super) enum Ended {
     Well,
     /// A property does not hold.
     Violation(Violation),
-    /// The device was lost before the sequence: the reset did not bring it back. `dead`: further resets did not either.
+    /// The device was lost before the sequence: the reset did not bring it back. `dead`: further resets did not bring
+    /// it back either.
     Lost { violation: Violation, dead: bool },
 }
 

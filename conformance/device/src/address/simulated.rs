@@ -235,7 +235,7 @@ pub(super) fn assign(devices: &[(&SimulatedDevice, &'static Model)]) -> Vec<Opti
     devices.iter().map(assign).collect()
 }
 
-/// Models of files live as long as the program, like the built-in ones; each content is kept once.
+/// Models of files live as long as the program, like the built-in models; each content is kept once.
 static DESCRIBED: LazyLock<Mutex<Described>> = LazyLock::new(Mutex::default);
 
 /// Models by path and content.

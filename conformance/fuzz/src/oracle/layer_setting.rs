@@ -94,7 +94,7 @@ impl InOrder {
             _ if position == 0 && fits => Some(1),
             Some(matched) if matched == position => Some(if fits { matched + 1 } else { 0 }),
             None => None,
-            // A repeated part, or one out of order, may count or begin an address anew.
+            // A repeated part, or a part out of order, may count or begin an address anew.
             Some(matched) if fits && matched > 0 => None,
             Some(_) => Some(0),
         };

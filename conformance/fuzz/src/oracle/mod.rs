@@ -370,7 +370,7 @@ impl Oracle {
         !self.blind && self.sdo.is_open()
     }
 
-    /// Whether the standard leaves open that any service answers the last frame.
+    /// Whether the last frame has an optional answer of any service: the standard leaves open whether it comes.
     pub fn may_be_answered(&self) -> bool {
         !self.blind && (self.sdo.is_open() || self.lss.at.is_open() || self.lmt.at.is_open())
     }
