@@ -84,7 +84,7 @@ impl Proxy {
         let _ = from.shutdown(Shutdown::Both);
     }
 
-    /// Cuts the connections; new ones are closed at once.
+    /// Cuts the connections; new connections are closed at once.
     pub fn cut(&self) {
         let mut way = self.way();
         way.is_cut = true;

@@ -115,7 +115,7 @@ struct Attacked {
 impl Attack<'_> {
     fn episode(&mut self, frames: u64) -> Result<(), Broken> {
         let faults = self.faults();
-        // One device in eight has no node-ID, another one has faults.
+        // One device in eight has no node-ID, another device in eight has faults.
         let node = if self.done.starts % 8 == 5 { None } else { self.model.default_node().or(NodeId::new(USUAL_NODE)) };
         let motion = Motion::constant(self.dice.number() as i64 >> 20, self.dice.number() as i64 >> 40);
         let device = Device::with_motion(self.model, node, faults, self.dice.number(), &motion);

@@ -47,7 +47,7 @@ pub(super) struct Mischief {
 /// The effect of the faults on a received frame.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Incoming {
-    /// The device gets this frame, and the second one after it.
+    /// The device gets this frame, and the second frame after it.
     Frames(Frame, Option<Frame>),
     /// The device does not get the frame.
     Lost,

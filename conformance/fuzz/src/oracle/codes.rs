@@ -15,7 +15,7 @@ pub(super) struct CodeSet {
 impl CodeSet {
     pub const NONE: Self = Self { rows: 0, best: None };
 
-    /// The set of the codes. The first one is the best.
+    /// The set of the codes. The first code is the best.
     pub const fn of(codes: &[AbortCode]) -> Self {
         let mut set = 0;
         let mut n = 0;

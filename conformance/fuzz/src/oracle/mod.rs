@@ -142,7 +142,7 @@ impl Oracle {
                 self.blind |= lost;
                 Ok(())
             }
-            // A producer of SYNC need not accept the SYNC of another one.
+            // A producer of SYNC need not accept the SYNC of another producer.
             id if self.expected_values.is_sync(id) && self.expected_values.produces_sync() => {
                 self.pdo.synchronises_itself();
                 Ok(())

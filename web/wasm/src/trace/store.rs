@@ -22,7 +22,7 @@ pub struct Store {
     before: Before,
     len: usize,
     bytes: usize,
-    /// Number of compressed blocks; they are the first ones.
+    /// Number of compressed blocks; they are the first blocks.
     compressed: usize,
     /// Number of bytes in the uncompressed blocks.
     plain_bytes: usize,
