@@ -147,7 +147,7 @@ fn fuzz_reports_what_it_has_found_when_the_bus_does_not_come_back() {
     }
 }
 
-/// Two reports can't be written because the disk is full: the others are written, and so are the reproducers.
+/// Two reports can't be written because the disk is full: the other reports are written, and so are the reproducers.
 #[cfg(target_os = "linux")]
 #[test]
 fn what_fuzz_has_found_is_kept_though_the_disk_is_full() {

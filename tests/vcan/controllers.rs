@@ -52,7 +52,7 @@ fn a_bit_rate_is_asked_for_known_and_changed() {
     assert_eq!(found, bit_rate_cases(&format!("sim:{MODEL}")));
     assert!(found.contains(&("305/bit-timing/activate".to_owned(), "pass".to_owned())), "{found:?}");
 
-    // The device changes its bit rate, and sets its interface to the same one.
+    // The device changes its bit rate, and sets its interface to the same bit rate.
     let changed = run(&["lss", "configure", "can0", "--bit-rate", "500k", "--activate", "100ms"]);
     assert!(changed.status.success(), "{}", text(&changed.stderr));
     eventually("the interface of the device has 500 kbit/s", || bit_rate("can1") == "500000");

@@ -306,7 +306,7 @@ impl Services {
     }
 }
 
-/// Whether an object, by its purpose, returns another value than the one written to it.
+/// Whether an object, by its purpose, returns another value than the value written to it.
 fn has_a_life_of_its_own(at: Multiplexer) -> bool {
     matches!(at.index.0, object::ERROR_REGISTER | object::MANUFACTURER_STATUS_REGISTER | object::PREDEFINED_ERROR_FIELD | object::STORE_PARAMETERS | object::RESTORE_DEFAULT_PARAMETERS | object::HIGH_RESOLUTION_TIME_STAMP | object::VERIFY_CONFIGURATION | 0x1023..=0x1026 | 0x1F50..=0x1F57)
 }

@@ -218,7 +218,7 @@ fn reliability(found: &Found, dead: bool) -> String {
     format!("{text}; neither a reset nor a write had restored the state of power-on: {kept}")
 }
 
-/// The wait after a frame of a sequence, if it is not the usual one.
+/// The wait after a frame of a sequence, if it is not the usual wait.
 fn then(then: Then) -> String {
     match then {
         Then::Settle => String::new(),

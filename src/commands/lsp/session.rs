@@ -64,7 +64,8 @@ impl Session {
     pub fn serve(&mut self, connection: &Connection, editor: &mut impl Write) -> Result<()> {
         while let Ok(message) = connection.receiver.recv() {
             let mut next = Some(message);
-            // While more messages wait, findings would be outdated at once; so they are published after the last one.
+            // While more messages wait, findings would be outdated at once; so they are published after the last
+            // message.
             while let Some(message) = next {
                 if self.take(connection, message, editor)? {
                     return Ok(());

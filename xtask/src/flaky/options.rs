@@ -19,7 +19,7 @@ pub enum Transport {
 /// The process that gets no processor while there is other work.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Starved {
-    /// The tester is starved. The device gets a processor before the other work, if this user may set that.
+    /// The tester is starved. The device gets a processor before the other work, if this user may set its priority.
     Tester,
     /// The device is starved.
     Device,

@@ -40,7 +40,7 @@ struct Wishes {
     seeds: Vec<u64>,
     count: usize,
     exchanges: u64,
-    /// The numbers of these mutants, which replace the random ones.
+    /// The numbers of these mutants, which replace the random mutants.
     only: Vec<u32>,
     /// The crate whose own tests look for its mutants.
     tests: Option<&'static Area>,

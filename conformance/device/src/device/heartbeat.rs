@@ -40,8 +40,8 @@ impl HeartbeatProducer {
         self.due = if millis == 0 { Timestamp::MAX } else { now + self.period };
     }
 
-    /// Handles the end of initialisation: the boot-up message counts as the first heartbeat, so the next one follows a
-    /// period later.
+    /// Handles the end of initialisation: the boot-up message counts as the first heartbeat, so the next heartbeat
+    /// follows a period later.
     fn boot(&mut self, now: Timestamp, millis: u64, firmware: &Firmware) {
         self.start(now, millis, firmware);
         self.burst = 0;

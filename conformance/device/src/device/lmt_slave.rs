@@ -96,8 +96,8 @@ impl LmtSlave {
         }
     }
 
-    /// Handles a part of "switch mode selective": the three parts must come in order; the last one switches, without an
-    /// answer.
+    /// Handles a part of "switch mode selective": the three parts must come in order; the last part switches, without
+    /// an answer.
     fn on_switch_selective(
         &mut self,
         part: Part,

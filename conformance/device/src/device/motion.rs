@@ -1,8 +1,8 @@
 //! The motion of the quantity that a simulated device measures. Position, speed, acceleration and jerk are those of one
 //! course, and consistent at every instant.
 //!
-//! The unit of length is the period of the sensor: a revolution of a rotary sensor, a millimetre of a linear one. Time
-//! counts from the power-on of the bus.
+//! The unit of length is the period of the sensor: a revolution of a rotary sensor, a millimetre of a linear sensor.
+//! Time counts from the power-on of the bus.
 
 use canvass_traces::{Duration, Timestamp};
 use std::sync::Arc;

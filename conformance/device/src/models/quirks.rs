@@ -18,7 +18,7 @@ pub struct Quirks {
     pub error_register_read_clears: bool,
     /// An empty entry of 1003h reads as 0; the device does not refuse to read it.
     pub empty_error_history_reads_zero: bool,
-    /// The bits that 1001h supports. An error whose bits are all unsupported sets all supported ones. `None`: all eight
+    /// The bits that 1001h supports. An error whose bits are all unsupported sets all supported bits. `None`: all eight
     /// bits are supported.
     pub error_register_bits: Option<u8>,
     /// The EMCY code of life guarding; `None`: 8130h.

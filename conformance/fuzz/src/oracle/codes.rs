@@ -68,7 +68,7 @@ impl CodeSet {
     }
 }
 
-/// Maximum number of codes named after the best one. Further codes are only counted.
+/// Maximum number of codes named after the best code. Further codes are only counted.
 const MOST_NAMED: usize = 2;
 
 /// The general code, which CiA's own tool accepts instead of any specific code.

@@ -274,7 +274,7 @@ impl<D: Dialect, O: Options<D>> LayerSetting<D, O> {
             self.owed = None;
         }
         if fits {
-            // Requests before the answered one are not answered any more.
+            // Requests before the answered request are not answered any more.
             self.lately[answered.unwrap_or(LATELY)..].fill(None);
             return Ok(());
         }
@@ -322,8 +322,8 @@ pub(super) fn includes<D: Dialect>(limit: Limit, bound: D::Value, own: D::Value)
     }
 }
 
-/// Whether the actual response is the expected one. A device may report an error by code 1, or by 255 with a code of
-/// the manufacturer.
+/// Whether the actual response is the expected response. A device may report an error by code 1, or by 255 with a code
+/// of the manufacturer.
 fn same<D: Dialect>(expected: Response<D>, actual: Response<D>) -> bool {
     match (expected, actual) {
         (

@@ -476,7 +476,7 @@ impl Slave {
         // A heartbeat may come early after a change of state.
         let late =
             actual.nanos() > period.nanos() + tolerance.nanos() && !self.is_behind(now, since + period + tolerance);
-        // The next heartbeat after a delayed one comes in time.
+        // The next heartbeat after a delayed heartbeat comes in time.
         let is_long = period > self.jitter.times(20);
         let early = !std::mem::take(&mut self.waited)
             && is_long

@@ -126,7 +126,7 @@ impl Pdos {
     pub fn configured(&mut self, now: Timestamp, (at, _): (Multiplexer, u64)) {
         let communication = (0x1000..0x1400).contains(&at.index.0);
         for seen in &mut self.seen {
-            // A device may restart all PDOs when one of them is configured, or let the others go on.
+            // A device may restart all PDOs when one of them is configured, or let the other PDOs continue.
             if !communication {
                 let in_step = seen.count.is_in_step() && !seen.heard;
                 seen.begin(now);

@@ -8,7 +8,7 @@ use canvass_analyzer::{CobId, Multiplexer};
 use canvass_traces::{Frame, Timestamp};
 
 /// Applies a data frame of the fuzzer that belongs to no other service. `writing`: an object is being written, so that
-/// the configuration may differ from the expected one.
+/// the configuration may differ from the expected configuration.
 pub(super) fn received(
     now: Timestamp,
     frame: &Frame,

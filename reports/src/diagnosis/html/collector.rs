@@ -29,7 +29,8 @@ const ROUGHLY: usize = 32;
 pub struct Emergencies {
     /// The time of the first message.
     pub time: Timestamp,
-    /// The error code of the first message that reports an error, or of the first message if none does.
+    /// The error code of the first message that reports an error, or of the first message if no message reports an
+    /// error.
     pub code: EmcyCode,
     /// Number of messages.
     pub count: u64,

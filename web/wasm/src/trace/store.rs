@@ -36,7 +36,7 @@ pub struct Store {
 struct Block {
     packed: Packed,
     first: Timestamp,
-    /// The latest time in this block and all earlier ones.
+    /// The latest time in this block and all earlier blocks.
     latest: Timestamp,
 }
 

@@ -26,7 +26,7 @@ pub(super) enum Awaited {
     BeginDownload { at: Multiplexer, writing: Writing, announced: Option<u32> },
     /// The confirmation that a block download may begin.
     BeginBlockDownload { at: Multiplexer, writing: Writing, announced: Option<u32>, crc: bool },
-    /// The confirmation of a download segment; the last one ends the transfer.
+    /// The confirmation of a download segment; that of the last segment ends the transfer.
     ConfirmSegment { toggle: bool, last: Option<(Multiplexer, Writing)> },
     /// An upload segment.
     Segment { toggle: bool },

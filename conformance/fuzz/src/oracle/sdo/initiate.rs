@@ -201,7 +201,7 @@ fn length_codes(known: &Known, size: Option<usize>) -> CodeSet {
     }
 }
 
-/// The codes at the end of a transfer whose length is neither the object's length nor the announced one. The right
+/// The codes at the end of a transfer whose length is neither the object's length nor the announced length. The right
 /// lengths of a string or DOMAIN are in no description.
 pub(super) fn all_length_codes(known: Option<&Known>, announced: Option<usize>) -> CodeSet {
     match known {
