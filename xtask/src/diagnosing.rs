@@ -32,7 +32,8 @@ pub fn diagnosing() -> Result<()> {
     healthy(&canvass)
 }
 
-/// The best processor time of each command. The commands run in turns, as a shared machine is slow at times, for both.
+/// The best processor time of each command. The commands run in turns: if a shared machine is slow for a time, it is
+/// slow for both.
 fn in_turns(one: &[&str], other: &[&str]) -> Result<(f64, f64)> {
     const TURNS: usize = 9;
     let mut best = (f64::MAX, f64::MAX);

@@ -34,7 +34,8 @@ const FOR_TESTS: Duration = Duration::from_secs(1_800);
 /// as long as on an idle one, and longer if the computer has other work.
 const FOR_RUNS: Duration = Duration::from_secs(4 * 3_600);
 
-/// The tests that CI leaves to the night: the verdicts of these models show nothing of SocketCAN that the other four models do not.
+/// The tests that CI leaves to the night: the verdicts of these models show nothing of SocketCAN that the other four
+/// models do not show.
 const AT_NIGHT: [&str; 7] = [
     "verdicts::kuebler_c100",
     "verdicts::kuebler_d125",

@@ -63,8 +63,8 @@ impl SyncCount {
 mod tests {
     use super::SyncCount;
 
-    /// Counts SYNC messages and the TPDOs sent after the given ones. Returns the number of the first SYNC at which
-    /// something is wrong.
+    /// Counts SYNC messages, and the TPDOs sent after the messages with the numbers `sent`. Returns the number of the
+    /// first SYNC at which something is wrong.
     fn wrong_at(kind: u8, sent: &[u64], syncs: u64) -> Option<u64> {
         let mut count = SyncCount::new();
         let mut due = None;
