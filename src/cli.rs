@@ -60,7 +60,8 @@ enum Command {
 }
 
 impl Cli {
-    /// The whole command line as clap knows it, with the texts about environment and exit status and the candidates of completion.
+    /// The whole command line as clap knows it, with the texts about environment and exit status and the candidates of
+    /// completion.
     pub fn described() -> clap::Command {
         let command = Self::command().color(crate::output::colors_of_help());
         completion::with_candidates(with_statuses(with_environment(command)))

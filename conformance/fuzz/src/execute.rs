@@ -101,7 +101,8 @@ pub(super) const DEATH: &str = "device death";
 /// The rule that a device violates if it comes back only after a further reset.
 const REVIVED: &str = "reset after a sequence";
 
-/// Maximum number of runs of a sequence that is interrupted each time: the sequence itself may interrupt the way to the bus.
+/// Maximum number of runs of a sequence that is interrupted each time: the sequence itself may interrupt the way to the
+/// bus.
 const MOST_INTERRUPTED: u32 = 3;
 
 /// Number of sequences after which a device that is not reset between them is reset, so that a violation does not

@@ -318,8 +318,8 @@ fn stores_by_itself(description: &DeviceDescription) -> bool {
     default.is_some_and(|capability| capability & 1 << 1 != 0)
 }
 
-/// Entries that CiA 301 reserves in the communication parameters of PDOs: reading and writing them is refused with abort
-/// 0609 0011h, whatever the description says (7.5.2.35 and 7.5.2.37).
+/// Entries that CiA 301 reserves in the communication parameters of PDOs: reading and writing them is refused with
+/// abort 0609 0011h, whatever the description says (7.5.2.35 and 7.5.2.37).
 const fn is_reserved(at: Multiplexer) -> bool {
     matches!((at.index.0, at.sub.0), (0x1400..=0x15FF, 4 | 6) | (0x1800..=0x19FF, 4))
 }

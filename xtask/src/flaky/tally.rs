@@ -47,8 +47,8 @@ pub struct Verdicts {
 }
 
 impl Verdicts {
-    /// The verdicts of the simulated bus; for cases that can't be decided over the transport, also the verdict of an idle
-    /// machine. If the idle machine was late, the verdict of the simulated bus holds alone.
+    /// The verdicts of the simulated bus; for cases that can't be decided over the transport, also the verdict of an
+    /// idle machine. If the idle machine was late, the verdict of the simulated bus holds alone.
     ///
     /// # Errors
     /// If the two runs have different cases.

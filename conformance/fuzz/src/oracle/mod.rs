@@ -514,7 +514,8 @@ mod tests {
     use canvass_device::models::Model;
     use canvass_traces::parse_frame;
 
-    /// A device with a lasting error is reset twice: the report of its first start is under way when the second reset comes.
+    /// A device with a lasting error is reset twice: the report of its first start is under way when the second reset
+    /// comes.
     #[test]
     fn each_start_may_report_the_same_error() {
         let model = Model::by_id("reference-301").unwrap();
