@@ -60,7 +60,8 @@ enum Command {
 }
 
 impl Cli {
-    /// The whole command line as clap knows it, with the texts about environment and exit status and the candidates of completion.
+    /// The whole command line as clap knows it, with the texts about environment and exit status and the candidates of
+    /// completion.
     pub fn described() -> clap::Command {
         let command = Self::command().color(crate::output::colors_of_help());
         completion::with_candidates(with_statuses(with_environment(command)))
@@ -163,7 +164,7 @@ mod tests {
         }
     }
 
-    /// Options whose value differs although they mean the same, each with why.
+    /// Options that mean the same although their values have different names, each with the reason.
     const SAME: [(&str, &str); 5] = [
         ("fail-on", "changes have classes, findings have severities"),
         ("journal", "restore has to have one; test takes none for nowhere"),
@@ -195,7 +196,7 @@ mod tests {
         }
     }
 
-    /// JSON has one name, and what prints a result has it.
+    /// No command has an option `--json`, and each command that prints a result has the option `--format`.
     #[test]
     fn json_is_a_format_everywhere() {
         let (mut cli, mut seen) = (Cli::command(), BTreeMap::new());

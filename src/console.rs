@@ -1,4 +1,4 @@
-//! Windows consoles: they interpret terminal sequences only after they are told to.
+//! Windows consoles, which interpret terminal sequences only after a program has requested this.
 
 /// Switches terminal sequences on; returns whether the stream's terminal interprets them. A terminal without a
 /// Windows console, such as that of a POSIX shell, always does.

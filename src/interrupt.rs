@@ -12,7 +12,7 @@ pub struct Interrupt(Arc<AtomicBool>);
 const KILLED_BY_CTRL_C: i32 = 130;
 
 impl Interrupt {
-    /// Watches for Ctrl-C and SIGTERM. The second one ends the program at once.
+    /// Watches for Ctrl-C and SIGTERM. The second interrupt ends the program at once.
     pub fn watch() -> Result<Self> {
         Self::watch_and(|| ())
     }

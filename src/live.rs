@@ -120,7 +120,7 @@ pub struct Live {
 }
 
 impl Live {
-    /// Opens a bus, describes the devices on it, and lets a simulated one, which was just switched on, finish its
+    /// Opens a bus, describes the devices on it, and lets a simulated device, which was just switched on, finish its
     /// initialisation.
     pub fn open(
         address: &str,

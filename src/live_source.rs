@@ -26,14 +26,14 @@ pub fn live<R: Read>(
     let (sender, chunks) = sync_channel(4);
     thread::spawn(move || match open() {
         Ok(source) => read_all(source, &sender),
-        // The receiver gets the error; if it is gone, nobody needs the error.
+        // The receiver gets the error; if the receiver is gone, nobody needs the error.
         Err(error) => _ = sender.send(Err(error)),
     });
     LiveSource { chunks, chunk: io::Cursor::default(), output, interrupt }
 }
 
-/// Whether reading a file may block: a pipe, a terminal, a device, or a file that the kernel generates (those of
-/// /proc claim to be regular and empty).
+/// Whether reading a file may block: a pipe, a terminal, a device, or a file that the kernel generates (files in /proc
+/// claim to be regular and empty).
 pub fn may_wait(file: &Path) -> bool {
     fs::metadata(file).is_ok_and(|metadata| !metadata.is_dir() && (!metadata.is_file() || metadata.len() == 0))
 }

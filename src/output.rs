@@ -121,8 +121,8 @@ impl Buffer {
     }
 }
 
-/// As a sink: flushing it does not flush standard output, which is written when [`Output::flush`] is called or the
-/// buffer is full.
+/// A sink whose flush does not flush standard output: standard output is written when [`Output::flush`] is called or
+/// the buffer is full.
 impl Write for Output {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         self.append(|buffer| buffer.extend_from_slice(bytes)).map(|()| bytes.len())

@@ -139,7 +139,7 @@ impl Collected {
         self.0.files.extend(files);
     }
 
-    /// Adds the files that describe devices (`MODEL`, `FILE` or `NODE=FILE`), and those of a simulated bus.
+    /// Adds the files that describe devices (`MODEL`, `FILE` or `NODE=FILE`), and the files of a simulated bus.
     pub fn descriptions<'a>(&mut self, bus: Option<&str>, devices: impl IntoIterator<Item = &'a str>) {
         let files = bus.map(files::of_bus).unwrap_or_default();
         files.iter().for_each(|(role, path)| self.file(role, Path::new(path)));

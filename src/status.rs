@@ -70,7 +70,7 @@ impl<E: Into<anyhow::Error>> From<E> for Failure {
     }
 }
 
-/// The advice which option helps against an error. The program adds it, since its libraries do not know its options.
+/// The option that helps against an error. The program adds this advice, since its libraries do not know its options.
 fn advice(cause: &(dyn std::error::Error + 'static)) -> Option<&'static str> {
     if let Some(OpenError::Unknown { .. }) = cause.downcast_ref() {
         return Some("if you know which, use --format-in");

@@ -33,7 +33,7 @@ impl TimeRange {
         Self { from, to, start: None }
     }
 
-    /// Whether a frame of that time is in the part. The first call sets the start of the capture.
+    /// Whether a frame of this time is in the part. The first call sets the start of the capture.
     pub fn contains(&mut self, time: Timestamp) -> bool {
         let start = *self.start.get_or_insert(time);
         self.from.is_none_or(|from| from.after(start) <= time) && self.to.is_none_or(|to| time <= to.after(start))

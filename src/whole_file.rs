@@ -38,7 +38,7 @@ impl WholeFile {
                 // A read-only file must not be replaced by renaming either.
                 OpenOptions::new().write(true).open(path).with_context(failed)?;
                 let place = fs::canonicalize(path).with_context(failed)?;
-                // If the folder takes no new files, the complete file is copied over the old one.
+                // If the folder takes no new files, the complete file is copied over the old file.
                 let part = beside(&place).or_else(|_| Builder::new().tempfile()).with_context(failed)?;
                 part.as_file().set_permissions(metadata.permissions()).with_context(failed)?;
                 Part::Beside(part, place)
@@ -85,7 +85,7 @@ impl WholeFile {
     }
 }
 
-/// A temporary file in the same folder, so that it can be renamed; hidden, with a name that tells its program.
+/// A hidden temporary file in the same folder, so that it can be renamed. Its name contains the final name of the file.
 fn beside(place: &Path) -> std::io::Result<NamedTempFile> {
     let folder = place.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or_else(|| Path::new("."));
     let name = place.file_name().unwrap_or_default().to_string_lossy();

@@ -124,7 +124,7 @@ fn texts(column: &ArrayRef) -> Result<Vec<Option<String>>, ArrowError> {
     (0..column.len()).map(text).collect()
 }
 
-/// Makes a plot from batches whose first two columns are texts and whose third one is a number.
+/// Makes a plot from batches whose first two columns are texts and whose third column is a number.
 fn plot(title: &str, batches: &[RecordBatch]) -> Result<Plot> {
     let mut plot = Plot { title: title.to_owned(), ..Plot::default() };
     for batch in batches {

@@ -19,9 +19,10 @@ use proc_macro::TokenStream;
 ///
 /// - `id`: stable and textual, such as `"nodes/heartbeat-missing"`;
 /// - `severity`: `Error`, `Warning` or `Info`;
-/// - `rank`: how grave its findings are for a machine, such as `Loss` or `Detail`;
+/// - `rank`: how grave the findings of the rule are for a machine, such as `Loss` or `Detail`;
 /// - `services`: the services whose frames the rule gets, `[Sdo, Nmt]` or `all`;
-/// - `also` (optional): frames that the rule gets besides these, such as `KnownTpdos`, or several in brackets;
+/// - `also` (optional): frames that the rule gets in addition to those of `services`, such as `KnownTpdos`, or several
+///   in brackets;
 /// - `of` (optional): `capture` for a rule about whole captures, `nothing` for a rule whose findings other code
 ///   reports;
 /// - `leads_to` (optional): the consequences of the rule's findings, a slice of `Effect`.

@@ -3,8 +3,8 @@
 use std::borrow::Cow;
 use std::fmt::Write;
 
-/// The text in ASCII. A character that the program itself writes gets a similar one; any other becomes `\u{3B1}`, so
-/// that nothing is lost.
+/// The text in ASCII. A character that the program itself writes gets a similar character; any other character becomes
+/// `\u{3B1}`, so that nothing is lost.
 pub fn ascii(text: &str) -> Cow<'_, str> {
     if text.is_ascii() {
         return Cow::Borrowed(text);

@@ -155,7 +155,7 @@ fn timings(old: &TestResult, new: &TestResult) -> Vec<Change> {
             && (!is_time || difference > NOTICEABLE_NS);
         let shown =
             |m: &Measurement| if is_time { milliseconds(Duration(m.value)) + " ms" } else { m.value.to_string() };
-        // A changed time is wrong only if a case says so, and then its verdict changes.
+        // A changed time is an error only if a case judges it so. Then the verdict of this case changes, too.
         is_noticeable.then(|| Change::other("timing", name, Some(shown(old)), Some(shown(new))))
     })
 }

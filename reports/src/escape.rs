@@ -1,8 +1,8 @@
 //! Texts from a bus or a file are hostile: a device may call itself `<script>`, `ESC [2J` or `=cmd()`. Every renderer
 //! escapes them with the functions of this module.
 //!
-//! The writers of markup (maud, quick-junit, serde_json) escape it. They leave characters alone that act on terminals
-//! and spreadsheets, that reorder text, or that XML forbids.
+//! The writers of markup (maud, quick-junit, serde_json) escape markup. They do not escape characters that act on
+//! terminals and spreadsheets, that reorder text, or that XML forbids.
 //!
 //! All output is escaped: standard output and reports are a [`Visible`], texts printed at once are a [`Printable`], and
 //! messages on standard error go through [`printable`]. There is no way around this: only one place has access to the
@@ -42,7 +42,7 @@ fn visible(text: &str, is_shown: impl Fn(char) -> bool) -> Cow<'_, str> {
     Cow::Owned(shown)
 }
 
-/// Text without control characters, the only thing that the program prints.
+/// Text without control characters. The program prints only such text.
 ///
 /// Only the functions below make one, so that unchecked text can't be printed:
 ///
@@ -179,7 +179,7 @@ impl<W: io::Write> io::Write for Visible<W> {
     }
 }
 
-/// Whether the bytes are whole characters of which none acts, as far as a quick check tells.
+/// Whether a quick check shows that the bytes are whole characters and that no character acts.
 fn is_plain(bytes: &[u8]) -> bool {
     if is_usual(bytes) {
         return true;
@@ -203,11 +203,11 @@ fn is_plain(bytes: &[u8]) -> bool {
         && !bytes.windows(3).filter_map(|three| three.first_chunk()).fold(false, may_act)
 }
 
-/// Whether all bytes are printable ASCII or line ends, as nearly always.
+/// Whether all bytes are printable ASCII or line ends, which is nearly always the case.
 fn is_usual(bytes: &[u8]) -> bool {
-    // A single pass without early exit over minima and maxima, which processors compute for 16 bytes at once. Counted
-    // from the line end as 0, too low bytes wrap to the highest numbers. Counted from the byte after it, the line end
-    // does.
+    // Computes minimum and maximum in a single pass without early exit, for which processors handle 16 bytes at once.
+    // If the line end counts as 0, all lower bytes wrap to the highest numbers. If the byte after the line end counts
+    // as 0, the line end itself wraps.
     const LINE_END: u8 = b'\n';
     let (most, least) = bytes.iter().fold((0, u8::MAX), |(most, least), &byte| {
         (byte.wrapping_sub(LINE_END).max(most), byte.wrapping_sub(LINE_END + 1).min(least))
@@ -215,7 +215,7 @@ fn is_usual(bytes: &[u8]) -> bool {
     most <= b'~' - LINE_END && least >= b' ' - LINE_END - 1
 }
 
-/// Whether a character does more than appear.
+/// Whether a character acts instead of being shown.
 pub const fn acts(c: char) -> bool {
     matches!(c,
         '\0'..='\x1F' | '\x7F'..='\u{9F}'

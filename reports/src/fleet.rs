@@ -39,7 +39,7 @@ pub struct Plot {
 /// A line of a plot.
 #[derive(Clone, Debug, Default, Serialize)]
 pub struct Line {
-    /// The name of the line. Empty if it is the only one.
+    /// The name of the line. Empty if it is the only line.
     pub name: String,
     /// A value for each label. `None` if a value is missing.
     pub values: Vec<Option<f64>>,

@@ -15,7 +15,7 @@ use std::io::{self, Write};
 const STYLE: &str = include_str!("../assets/page.css");
 const SCRIPT: &str = include_str!("../assets/page.js");
 const UPLOT_LICENSE: &str = include_str!("../assets/uplot/LICENSE");
-/// A magnifying glass as the icon of a page, so that no browser asks a server for one.
+/// A magnifying glass as the icon of a page, so that no browser asks a server for an icon.
 const ICON: &str = "data:image/svg+xml,%3Csvg xmlns='http:%2F%2Fwww.w3.org/2000/svg' viewBox='0 0 16 16'%3E%3Cg fill='none' \
                     stroke='%232f6fd6' stroke-width='2' stroke-linecap='round'%3E%3Ccircle cx='6.5' cy='6.5' r='4.5'/%3E\
                     %3Cpath d='M10 10l4.5 4.5'/%3E%3C/g%3E%3C/svg%3E";
@@ -46,7 +46,8 @@ pub fn write(
     out: &mut dyn Write,
     main: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> io::Result<()> {
-    // Our own texts contain no characters that act. Such a character came from outside and was not escaped by mistake.
+    // Our own texts contain no characters that act. If such a character appears here, it came from outside and, by
+    // mistake, was not escaped.
     let mut out = Visible::new(out, false);
     let styles: Vec<&str> = std::iter::once(STYLE).chain(page.styles.iter().copied()).collect();
     let scripts: Vec<&str> = std::iter::once(SCRIPT).chain(page.scripts.iter().copied()).collect();

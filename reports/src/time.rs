@@ -28,7 +28,7 @@ pub struct Clock {
     full: bool,
     first: Option<Timestamp>,
     previous: Option<Timestamp>,
-    /// A second and its text, as most frames are in the same second as the one before.
+    /// A second and its text, as most frames are in the same second as the previous frame.
     second: (u64, Vec<u8>),
     /// The text after a date.
     zone: Vec<u8>,

@@ -78,7 +78,8 @@ fn shared_fields(entry: &Entry) -> Result<Vec<u8>> {
     Ok(fields)
 }
 
-/// Reads the files that the archive's directory lists. [`changed`] then tells whether the archive is as [`write`] makes it.
+/// Reads the files that the archive's directory lists. [`changed`] then tells whether the archive is as [`write`] makes
+/// it.
 ///
 /// # Errors
 /// If the bytes are no archive, or the archive was cut.

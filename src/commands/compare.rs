@@ -65,7 +65,7 @@ pub fn named(text: &str) -> (Option<&str>, PathBuf) {
     }
 }
 
-/// The name of a release: the typed one, else the one noted in the result, else the name of the file.
+/// The name of a release: as the user typed it, else as the result notes it, else the name of the file.
 pub fn release(typed: Option<&str>, result: &TestResult, path: &Path) -> String {
     let stem = || path.file_stem().unwrap_or_default().to_string_lossy().into_owned();
     typed.or(result.note("release")).map_or_else(stem, str::to_owned)

@@ -81,7 +81,8 @@ enum Time {
 /// The state of decoding: the network, and the frames that need no decoding.
 struct Decoding {
     network: Network,
-    /// With a selection: remembers which frames are not selected and change no state, to skip frames like them.
+    /// Remembers which frames are not selected and change no state, so that frames like them are skipped; `None`
+    /// without a selection.
     skipping: Option<Skipping>,
 }
 

@@ -104,7 +104,7 @@ fn parse_bit_rate(text: &str) -> Result<u32, String> {
     rate.filter(|rate| (1_000..=1_000_000).contains(rate)).ok_or_else(|| "expected 1k to 1M, such as 250k".to_owned())
 }
 
-/// The options that show what the table abbreviates.
+/// The options that show the parts that the table leaves out.
 const ADVICE: Advice = Advice {
     findings: ": --verbose and the page (--format html) show all",
     rows: ": --verbose shows all",

@@ -266,7 +266,7 @@ impl Args {
     }
 }
 
-/// The exit status. Violations precede a failure of the bus: they stay true.
+/// The exit status. Violations take precedence over a failure of the bus: they stay true.
 fn status(run: &Run) -> Status {
     match &run.outcome {
         outcome if !outcome.violations.is_empty() => Status::Findings,

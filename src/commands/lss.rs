@@ -354,8 +354,8 @@ impl Master<'_> {
     }
 }
 
-/// Why a Fastscan stops when it finds a configured device again: it would assign it one node-ID after the other, and
-/// store each.
+/// The error of a Fastscan that finds a configured device again. Without this stop, Fastscan would assign one node-ID
+/// after the other to this device, and store each.
 fn found_again(address: LssAddress, node: Option<NodeId>) -> String {
     let [vendor, product, revision, serial] = address;
     let given = node.map(|node| format!("was given node-ID {node} and ")).unwrap_or_default();

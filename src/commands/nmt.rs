@@ -51,7 +51,7 @@ enum Command {
 struct Addressed(u8);
 
 impl Addressed {
-    /// Whether a frame tells the state of an addressed node.
+    /// Whether a frame shows the state of an addressed node.
     fn concerns(self, frame: &Frame) -> bool {
         frame.cob_id().is_some_and(|cob_id| {
             let of_state = matches!(cob_id & 0x780, error_control::CAN_ID_BASE | emcy::CAN_ID_BASE);

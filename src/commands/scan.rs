@@ -148,11 +148,11 @@ impl Args {
     }
 }
 
-/// Number of tries for a request that interruptions of the bus spoil.
+/// Number of tries for a request while the bus is interrupted at each try.
 const MOST_TRIES: u32 = 5;
 
-/// Does something on the bus, and repeats it if the bus was interrupted meanwhile: a missing answer then says nothing
-/// about the device.
+/// Calls `act`, and repeats the call if the bus was interrupted meanwhile: a missing answer then says nothing about the
+/// device.
 fn undisturbed<T>(
     exchange: &mut Exchange<'_>,
     mut act: impl FnMut(&mut Exchange<'_>) -> Result<T, BusError>,
@@ -185,7 +185,7 @@ struct Scanned {
     node: Option<NodeId>,
 }
 
-/// Looks for a device by Fastscan: one without node-ID, or a configured one that wrongly takes part.
+/// Looks for a device by Fastscan: a device without node-ID, or a configured device that wrongly takes part.
 fn fastscan(exchange: &mut Exchange<'_>, nodes: &BTreeMap<NodeId, Found>) -> Result<Option<Scanned>, BusError> {
     let scanned = match exchange.fastscan(SCAN_PATIENCE)? {
         ScanStep::Found(address) => Some(Scanned { address, node: configured(exchange, address, nodes)? }),

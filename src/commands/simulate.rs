@@ -95,7 +95,7 @@ impl Args {
             None => Device::new(&model, node, firmware, self.seed),
         };
         let mut device = KeptDevice::new(device, self.memory.as_deref())?;
-        // The stored node-ID may differ from the typed one.
+        // The stored node-ID may differ from the typed node-ID.
         let node = device.node();
         let name = node.map_or_else(|| "without node-ID".to_owned(), |node| format!("as node {node}"));
         diagnostic(&format!("canvass: {} {name} on {}", model.id(), self.bus));

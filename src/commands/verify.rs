@@ -43,7 +43,7 @@ pub struct Args {
     format: TextOrJson,
 }
 
-/// A verdict that differs from the one in the bundle.
+/// A verdict that differs from the verdict in the bundle.
 struct Difference {
     case: String,
     told: Option<Kind>,

@@ -42,7 +42,8 @@ fn pcan(_: Channel) -> String {
     PCAN.to_owned()
 }
 
-/// Adds the names that a USB device gives itself, in its own folder of sysfs or one above the interface's.
+/// Adds the names that a USB device gives itself. They are in the folder of the interface in sysfs, or in a folder
+/// above it.
 fn described(kind: &str, driver: Option<String>, device: &Path) -> String {
     let device = std::fs::canonicalize(device).unwrap_or_default();
     let of_usb = device.ancestors().take(4).find_map(|folder| {

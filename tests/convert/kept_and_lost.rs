@@ -12,7 +12,7 @@ struct Kept {
     format: Format,
     /// The losses from [`recording::log`].
     lost: &'static [Loss],
-    /// The losses from other recordings only; each has its test below.
+    /// The losses from other recordings only; each of these losses has its test below.
     lost_elsewhere: &'static [Loss],
     /// The row after writing and reading; `None` if the format can't hold the row.
     row: fn(RecordContent, &mut Numbers) -> Option<RecordContent>,
@@ -109,7 +109,7 @@ fn no_raw_dlc(row: RecordContent) -> RecordContent {
     RecordContent { dlc, ..row }
 }
 
-/// Only the fact of an error is left: a bus error, as Linux numbers it.
+/// Reduces an error frame to a bus error, with the error class of Linux.
 fn no_error_detail(row: RecordContent) -> RecordContent {
     if row.is_error { RecordContent { id: 0x80, data: Vec::new(), dlc: 0, ..row } } else { row }
 }

@@ -1,4 +1,4 @@
-//! No command writes a file that it reads, or writes a file twice. Old files stay until the new ones are complete.
+//! No command writes a file that it reads, or writes a file twice. Old files stay until the new files are complete.
 
 use crate::command::{Folder, sample};
 

@@ -3,7 +3,7 @@
 use canvass_traces::{Capture, Direction, ReadOptions, Reader, XlHeader};
 use std::path::Path;
 
-/// All of a record but its place in the file.
+/// The content of a record without its place in the file.
 #[derive(Clone, PartialEq, Debug)]
 pub struct RecordContent {
     pub nanos: u64,

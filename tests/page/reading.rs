@@ -8,12 +8,12 @@ use std::slice::from_ref;
 /// A script that chooses the format, as a user would.
 const AS_CANDUMP: &str = "const format = document.getElementById('format'); \
      format.value = 'candump'; format.dispatchEvent(new Event('change'))";
-/// Notes that reading began, as it may be over before anybody looks.
+/// A script that notes when reading begins, as reading may end before the test looks.
 const NOTE_READING: &str = "window.hasBegun = false; \
      new MutationObserver(() => { window.hasBegun ||= !document.getElementById('progress').hidden; }) \
      .observe(document.getElementById('progress'), { attributes: true, attributeFilter: ['hidden'] })";
 const HAS_BEGUN: &str = "window.hasBegun || !document.getElementById('progress').hidden";
-/// Cancels what is read next, a moment after it began.
+/// A script that cancels the next reading, a moment after it has begun.
 const CANCEL_NEXT: &str = "const progress = document.getElementById('progress'); \
      new MutationObserver((_, observer) => { if (!progress.hidden) { observer.disconnect(); \
      setTimeout(() => progress.querySelector('button').click(), 30); } }) \
@@ -22,7 +22,7 @@ const FORGET: &str = "window.hasBegun = false";
 const IS_READ: &str = "/frames, /.test(document.getElementById('status').textContent) && \
      document.querySelector('#view-diagnosis iframe') && document.getElementById('progress').hidden";
 
-/// Acts, and waits until the page reads something because of that.
+/// Calls `act`, and waits until the page begins to read because of it.
 fn begins(opened: &Opened, act: impl FnOnce()) {
     opened.browser.run(FORGET);
     act();

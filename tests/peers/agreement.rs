@@ -14,13 +14,13 @@ pub struct Defect {
     pub concerns: fn(&Frame) -> bool,
 }
 
-/// A way of frames from canvass to a peer, or from a peer to canvass.
+/// The transfer of frames from canvass to a peer, or from a peer to canvass.
 pub struct Way<'a> {
     /// The name in error messages.
     pub name: &'a str,
     /// Changes of the frames before they are sent, since the peer could not hold the originals.
     pub before: &'a [Kept],
-    /// Losses on the way, since the format or the peer has no place for the data.
+    /// Losses in the transfer, since the format or the peer has no place for the data.
     pub losses: &'a [Kept],
     /// The defects of the peer.
     pub defects: &'a [Defect],

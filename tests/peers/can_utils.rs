@@ -35,7 +35,7 @@ fn log2long_reads_logs_and_writes_what_candump_shows() {
 fn log2asc_reads_logs_and_writes_asc() {
     let formats = [Format::Candump, Format::Asc];
     let losses: &[Kept] = &[numbered, no_error_detail, received_or_sent, no_direction_of_errors];
-    // log2asc knows six digits of a second.
+    // log2asc keeps six decimals of a second.
     Way { name: "log2asc", before: &[micros], losses, defects: &[] }
         .agrees(|path, frames| Ok(passed_on("log2asc", &["can0", "can1", "can2"], formats, path, frames)));
 }
@@ -48,7 +48,7 @@ fn asc2log_reads_asc_and_writes_logs() {
         .agrees(|path, frames| Ok(from_start(&passed_on("asc2log", &[], formats, path, frames))));
 }
 
-/// asc2log knows dates only if the locale en_US is installed, and otherwise counts from the present. So times are
+/// asc2log reads dates only if the locale en_US is installed; otherwise its times count from the present. So times are
 /// compared relative to the first frame.
 fn from_start(lines: &[String]) -> Vec<String> {
     let split: Vec<(u64, &str)> = lines

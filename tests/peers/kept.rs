@@ -72,12 +72,12 @@ fn with_error(seen: Seen, data: &[u8]) -> Seen {
     seen.with_record(record)
 }
 
-/// Keeps of an error frame only that it was a bus error, with the error class of Linux.
+/// Reduces an error frame to a bus error, with the error class of Linux.
 pub fn no_error_detail(seen: Seen) -> Seen {
     with_error(seen, &[])
 }
 
-/// Keeps of an error frame only that it was a bus error, with the eight data bytes of SocketCAN's error frames.
+/// Reduces an error frame to a bus error, with the eight data bytes of SocketCAN's error frames.
 pub fn zeros_of_errors(seen: Seen) -> Seen {
     with_error(seen, &[0; 8])
 }

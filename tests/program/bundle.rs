@@ -116,7 +116,7 @@ fn one_changed_byte_is_refused_naming_its_file() {
         );
         assert!(name == "manifest.json" || refused.stderr.contains(name), "{name}: {}", refused.stderr);
     }
-    // Bytes all over the archive, and several of the directory.
+    // Changes bytes all over the archive, and several bytes of its directory.
     let directory = whole.len() - 600..whole.len();
     for at in (0..whole.len()).step_by(whole.len() / 40).chain(directory.step_by(37)) {
         let mut other = whole.clone();

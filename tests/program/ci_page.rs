@@ -142,8 +142,8 @@ const REPORTS: [&str; 9] = [
     "fuzz.html",
 ];
 
-/// The first release has no earlier one to compare with. The same firmware passes again; a worse one fails, and all its
-/// reports are written.
+/// The first release has no earlier release to compare with. The same firmware passes again; a worse firmware fails,
+/// and all its reports are written.
 #[test]
 fn the_script_of_the_pipelines_holds_up_a_bad_release() {
     let repository = Repository::new("--select 301/boot-up,301/identity");

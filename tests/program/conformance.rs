@@ -87,7 +87,7 @@ fn a_faulty_firmware_fails_with_reason_and_frames() {
     let wrong = wrong.unwrap_or_else(|| panic!("{frames:?}"));
     assert!(wrong["t"].as_u64() > frames[0]["t"].as_u64(), "{wrong}");
     assert!(wrong["text"].as_str().unwrap().contains("confirmed, toggle 1"), "{wrong}");
-    // The text output also shows what was expected, and the frame that was sent.
+    // The text output also shows the expected answer, and the frame that was sent.
     let shown = run(&["test", &address]).stdout;
     for part in [ids[1], "abort 0503 0000h toggle bit not alternated or no answer", "5BF#3000000000000000"] {
         assert!(shown.contains(part), "{part}: {shown}");
@@ -340,7 +340,7 @@ fn the_selftest_detects_and_counts() {
     assert_eq!(tested.status, 0, "{}{}", tested.stdout, tested.stderr);
     let matrix = json(&tested.stdout);
     let summary = &matrix["summary"];
-    // The matrix has a row for each fault that these cases are meant to detect. Every row is detected, and each of
+    // The matrix has a row for each fault that these cases are meant to detect. Every fault is detected, and each of
     // these cases detects a fault.
     let catalogue = json(&run(&["list", "cases", "--format", "json"]).stdout);
     let cases: Vec<&str> = catalogue.as_array().unwrap().iter().map(|case| case["id"].as_str().unwrap()).collect();
@@ -380,7 +380,7 @@ fn a_case_can_be_repeated_and_forecast() {
     assert!(forecast.stderr.contains("in about"), "{}", forecast.stderr);
 }
 
-/// A forecast knows from the device's description which capabilities the device lacks for the cases.
+/// A forecast names the capabilities that the device lacks for the cases, according to the device's description.
 #[test]
 fn a_forecast_says_what_is_needed() {
     let args = ["test", "can0", "--node", "1", "--device", "conformance/device/models/lika-ax58.eds", "--dry-run"];

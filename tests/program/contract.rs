@@ -1,4 +1,4 @@
-//! The examples of `docs/json.md` and `docs/outputs.md` are what the program prints.
+//! The examples of `docs/json.md` and `docs/outputs.md` equal the output of the program.
 
 use crate::running::run;
 use serde_json::Value;

@@ -4,7 +4,7 @@ use crate::running::{command, finished, run, run_with_input};
 use std::io::{BufRead, BufReader, Write};
 use std::process::Stdio;
 
-/// The bus trace of Kübler's manual, section 5.7.7: what each row means, in the order of the manual.
+/// The bus trace of Kübler's manual, section 5.7.7: the meaning of each row, in the order of the manual.
 #[test]
 fn the_bus_trace_of_the_manual() {
     let meanings = [

@@ -4,7 +4,7 @@ use crate::running::{Run, finished};
 use std::io::{self, Read, Write};
 use std::process::{Command, Stdio};
 
-/// Size of the program itself in memory, as built for tests, in KiB, by `size`.
+/// Size in KiB of the program itself in memory, built for tests and measured by `size`.
 const IMAGE: usize = 38_000;
 /// Limit of the program's virtual memory in KiB; the memory in use is less.
 const MEMORY: usize = IMAGE + 80_000;

@@ -8,14 +8,15 @@ use std::path::Path;
 use std::process::{Child, Stdio};
 use std::time::Duration;
 
-/// Numbers of runs that are interrupted and killed, and number of devices that are tested at the same time: most of the
-/// time is waiting.
+/// Number of runs that are interrupted.
 #[cfg(unix)]
 const INTERRUPTED: u64 = 100;
+/// Number of runs that are killed.
 const KILLED: u64 = 50;
+/// Number of devices that are tested at the same time. It is large, as most of the time is waiting.
 const DEVICES: u64 = 10;
-/// One run in [`AT_ANY_MOMENT`] is killed at a moment counted from its start, and so perhaps before its first case; the
-/// others once the first case has begun.
+/// One run in [`AT_ANY_MOMENT`] is killed at a moment that counts from its start, and so perhaps before its first case.
+/// For the other runs, the moment counts from the beginning of the first case.
 const AT_ANY_MOMENT: u64 = 7;
 
 /// Objects with values that are not stored, one of each kind: communication, PDO, application, limited, text.
@@ -85,7 +86,8 @@ fn write(bus: &str, object: &str, value: &str) {
     assert_eq!(written.status, 0, "{object}: {}", written.stderr);
 }
 
-/// Ends one run after the other on one device; returns the differences left behind, and how often there was a journal.
+/// Ends one run after the other on one device. Returns the differences that the runs left behind, and the number of
+/// runs with a journal.
 fn kill(first: u64, kills: u64, end: End) -> (Vec<String>, u64) {
     let folder = tempfile::tempdir().unwrap();
     let journal = folder.path().join("journal");
@@ -151,7 +153,7 @@ fn kill(first: u64, kills: u64, end: End) -> (Vec<String>, u64) {
     (wrong, restored)
 }
 
-/// Ends runs on all devices; returns how many left a journal.
+/// Ends runs on all devices. Returns the number of runs that left a journal.
 fn kill_all(kills: u64, end: End) -> u64 {
     let ends: Vec<(Vec<String>, u64)> = std::thread::scope(|scope| {
         let threads: Vec<_> = (0..DEVICES).map(|first| scope.spawn(move || kill(first, kills, end))).collect();

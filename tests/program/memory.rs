@@ -55,7 +55,8 @@ fn cycles(first: usize, count: usize, out: &mut impl Write) {
     out.write_all(text.as_bytes()).unwrap();
 }
 
-/// Runs a command on standard input. The pipe holds at most 64 KiB: the program has read the rest of what was written.
+/// Runs a command on standard input. The pipe holds at most 64 KiB, so that the program has read all bytes that were
+/// written before.
 fn does_not_grow(args: &str) {
     let mut child = Command::new(env!("CARGO_BIN_EXE_canvass"))
         .args(args.split(' '))

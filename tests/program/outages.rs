@@ -147,7 +147,7 @@ fn fuzz_reports_what_it_has_found_when_the_bus_does_not_come_back() {
     }
 }
 
-/// Two reports can't be written because the disk is full: the others are written, and so are the reproducers.
+/// Two reports can't be written because the disk is full: the other reports are written, and so are the reproducers.
 #[cfg(target_os = "linux")]
 #[test]
 fn what_fuzz_has_found_is_kept_though_the_disk_is_full() {
@@ -199,7 +199,7 @@ const CASES: [&str; 2] = ["--select", "301/sdo/download/second-toggle,301/sdo/do
 
 impl Bench {
     /// Starts the cases, and waits until the first two are over: each begins with a reset, and ends with at most one
-    /// more.
+    /// more reset.
     fn start_test(&self, more: &[&str]) -> Child {
         let args = ["test", "BUS", "--node", "10", "--device", "reference-301", "--format", "json"];
         let child = self.start(&[&args[..], &CASES, more].concat());

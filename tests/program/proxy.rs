@@ -84,7 +84,7 @@ impl Proxy {
         let _ = from.shutdown(Shutdown::Both);
     }
 
-    /// Cuts the connections; new ones are closed at once.
+    /// Cuts the connections; new connections are closed at once.
     pub fn cut(&self) {
         let mut way = self.way();
         way.is_cut = true;
@@ -118,7 +118,7 @@ impl Proxy {
         String::from_utf8_lossy(&self.way().sent).matches(text).count() >= times
     }
 
-    /// The lines from programs that begin with this text, without it.
+    /// The lines from programs that begin with this text, without the text.
     pub fn frames(&self, begin: &str) -> Vec<String> {
         let sent = String::from_utf8_lossy(&self.way().sent).into_owned();
         sent.split('\r').filter_map(|line| line.strip_prefix(begin)).map(str::to_owned).collect()

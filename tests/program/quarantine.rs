@@ -1,4 +1,4 @@
-//! Flaky cases in quarantine do not count before its last day has passed.
+//! Flaky cases in quarantine do not count until the last day of the quarantine has passed.
 
 use crate::running::run;
 use serde_json::Value;

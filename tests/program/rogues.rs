@@ -1,4 +1,4 @@
-//! SLCAN adapters behind TCP that misbehave in ways of no real adapter or device. `cargo xtask attack` uses them too.
+//! SLCAN adapters behind TCP that misbehave as no real adapter or device does. `cargo xtask attack` uses them, too.
 
 use std::io::{Read, Write};
 use std::net::{SocketAddr, TcpListener, TcpStream};
@@ -88,7 +88,7 @@ impl Rogue {
             (Self::Silent, _) => Ok(()),
             (_, b"t00028105" | b"t00028205") => stream.write_all(b"\rt705100\r"),
             (Self::Nonsense, [b't', b'6', b'0', b'5', ..]) => stream.write_all(b"\rt5858EEEEEEEEEEEEEEEE\r"),
-            // An upload begins; its segments are empty or full, and none is the last.
+            // An upload begins; its segments are empty or full, and none is the last segment.
             (Self::Endless | Self::Huge, [b't', b'6', b'0', b'5', _, b'4', b'0', object @ ..]) => {
                 let object = String::from_utf8_lossy(object.get(..6).unwrap_or_default()).into_owned();
                 let (begin, size) = if self == Self::Huge { ("41", "FFFFFFFF") } else { ("40", "00000000") };

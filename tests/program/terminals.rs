@@ -30,8 +30,8 @@ const COMMANDS: &[&[&str]] = &[
     &["test", "no-such-bus"],
 ];
 
-/// What the test writes after the end of the program. A terminal that nobody has open any more may lose what was not
-/// read yet, so the test keeps it open until it has read all.
+/// The bytes that the test writes after the end of the program. A terminal that no process has open any more may lose
+/// unread bytes, so the test keeps the terminal open until it has read these bytes.
 const END: &[u8] = b"\x04end of the program\x04";
 
 /// Both output streams, as a terminal of `columns` columns receives them.

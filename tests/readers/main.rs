@@ -10,7 +10,7 @@ use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use std::path::{Path, PathBuf};
 use targets::{SAMPLES, Target, targets};
 
-/// The seed inputs of a target; large ones take too long in a test.
+/// The seed inputs of a target. Large inputs take too long in a test.
 fn seeds(target: &Target) -> Vec<Vec<u8>> {
     const LARGEST: u64 = 64 * 1024;
     let root = Path::new(env!("CARGO_MANIFEST_DIR"));

@@ -43,7 +43,7 @@ fn a_bit_rate_is_asked_for_known_and_changed() {
     let device = simulate(MODEL, "can1", &[]);
     let doctor = text(&run(&["doctor"]).stdout);
     assert!(doctor.contains("✔ interface    can0: controller, up, 250 kbit/s, error-active"), "{doctor}");
-    // With heartbeats, the tester asks for no state by remote frames. QEMU's SJA1000 handles the announced data byte of
+    // With heartbeats, the tester requests no state by remote frames. QEMU's SJA1000 handles the announced data byte of
     // a remote frame wrongly, so that the following frames are garbage.
     let heartbeats = run(&["sdo", "write", "can0", "10", "1017", "500"]);
     assert!(heartbeats.status.success(), "{}", text(&heartbeats.stderr));
@@ -52,7 +52,7 @@ fn a_bit_rate_is_asked_for_known_and_changed() {
     assert_eq!(found, bit_rate_cases(&format!("sim:{MODEL}")));
     assert!(found.contains(&("305/bit-timing/activate".to_owned(), "pass".to_owned())), "{found:?}");
 
-    // The device changes its bit rate, and sets its interface to the same one.
+    // The device changes its bit rate, and sets its interface to the same bit rate.
     let changed = run(&["lss", "configure", "can0", "--bit-rate", "500k", "--activate", "100ms"]);
     assert!(changed.status.success(), "{}", text(&changed.stderr));
     eventually("the interface of the device has 500 kbit/s", || bit_rate("can1") == "500000");

@@ -6,7 +6,8 @@ use serde_json::Value;
 use std::process::{Command, Stdio};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
-/// A file name for every format that canvass writes, by its first extension, and some compressed ones.
+/// A file name for every format that canvass writes, with the first extension of the format, and names of some
+/// compressed files.
 fn names() -> Vec<String> {
     let formats: Value = serde_json::from_slice(&run(&["list", "formats", "--format", "json"]).stdout).unwrap();
     let written = formats.as_array().unwrap().iter().filter(|format| format["written"] == true);

@@ -50,7 +50,7 @@ fn an_interface_goes_down_and_up_during_test_and_simulate() {
     assert_eq!(device.interrupt().status, 0);
 }
 
-/// Sequences during the interruption are not judged; those before and after it are.
+/// Sequences during the interruption are not judged; sequences before and after it are judged.
 #[test]
 fn an_interface_goes_down_and_up_during_fuzz() {
     let bus = Interface::new("vfuzzdown");
@@ -236,7 +236,7 @@ fn ctrl_c_restores_the_device_and_writes_the_report() {
     assert!(time.contains("= 0"), "{time}");
 }
 
-/// The tester distinguishes its own frames from those of others on the same machine.
+/// The tester distinguishes its own frames from frames of others on the same machine.
 #[test]
 fn own_frames_are_told_from_others() {
     let bus = Interface::new("vown");

@@ -5,8 +5,8 @@ use crate::running::{Running, canvass, run, simulate, text};
 use serde_json::Value;
 use std::time::Duration;
 
-/// Number of killed runs, distributed over the interfaces. 50 take ten minutes here; over a serial line they are
-/// faster, and run each time (tests/program/killed.rs).
+/// Number of killed runs, distributed over the interfaces. Fifty killed runs take ten minutes here; over a serial line
+/// they are faster, and every test run includes them (tests/program/killed.rs).
 const KILLS: u64 = 15;
 const INTERFACES: [&str; 5] = ["vkill0", "vkill1", "vkill2", "vkill3", "vkill4"];
 
@@ -32,7 +32,7 @@ fn moment(kill: u64) -> Duration {
     Duration::from_millis((chance >> 33) % 15_000)
 }
 
-/// Kills one run after the other on one device; returns how many had begun a case.
+/// Kills one run after the other on one device; returns the number of runs that had begun a case.
 fn kill(interface: &'static str, first: u64) -> u64 {
     let bus = Interface::new(interface);
     let _device = simulate("reference-301", bus.name(), &[]);

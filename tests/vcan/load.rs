@@ -30,7 +30,7 @@ fn load(interface: &'static str, span: Duration) {
     let sent = transmitted(bus.name());
     std::thread::sleep(Duration::from_secs(2));
     let ended = record.interrupt();
-    // Lines before the last may report single losses.
+    // Earlier lines may report single losses; the last line reports the total.
     let total = ended.stderr.lines().last().unwrap_or_default();
     let (recorded, lost) = (number_before(total, " frames recorded"), number_before(total, " lost"));
     writeln!(

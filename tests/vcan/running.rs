@@ -1,4 +1,4 @@
-//! Processes that run beside a test.
+//! Processes that run at the same time as a test.
 
 use serde_json::Value;
 use std::io::{BufRead, BufReader, Read};
@@ -79,7 +79,7 @@ impl Running {
     /// Waits for the end of the process; returns its output.
     pub fn finish(mut self) -> Ended {
         let mut stdout = Vec::new();
-        // Standard error is short enough to wait in its pipe.
+        // Standard error is so short that it fits into its pipe.
         self.child.stdout.take().unwrap().read_to_end(&mut stdout).unwrap();
         let mut stderr = String::new();
         self.stderr.take().unwrap().read_to_string(&mut stderr).unwrap();

@@ -130,7 +130,7 @@ fn dies_after_a_reset() {
     Trait { interface: "vdiesr", firmware, select }.is_dead_after("301/error-behaviour/only-operational");
 }
 
-/// The tester writes the values back that a reset would restore on other devices. Cases about resets are not selected
+/// The tester writes back the values that a reset would restore on other devices. Cases about resets are not selected
 /// here.
 #[test]
 fn keeps_ram_over_reset() {

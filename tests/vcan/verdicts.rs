@@ -40,7 +40,7 @@ fn reason<'a>(report: &'a Value, id: &str) -> &'a Value {
 }
 
 /// Cases that need to know the bit rate of the bus, which a vcan lacks: the first two run on controllers
-/// (`controllers.rs`), the last one fills the bus, which only a real bus allows.
+/// (`controllers.rs`), the last case fills the bus, which only a real bus allows.
 const OF_THE_BIT_RATE: [&str; 3] = ["205/bit-timing/activate", "305/bit-timing/activate", "301/sync/window"];
 
 /// The cases that together take no longer than [`BUDGET`]. In the tests' own machine, where waiting takes no time,

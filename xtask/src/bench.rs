@@ -1,4 +1,4 @@
-//! Measures the speed of canvass beside other programs, in the same run on the same frames.
+//! Measures the speed of canvass and of other programs, in the same run on the same frames.
 
 use crate::measure::{Cost, RUNS, TIME, best, best_of, machine, release};
 use crate::packages::{Package, install};
@@ -52,8 +52,8 @@ pub fn descriptions() -> Result<()> {
     crate::describing::describing()
 }
 
-/// Counts the instructions per decoded frame and per simulated exchange by callgrind: they do not depend on the
-/// machine, within an architecture, nor on its load.
+/// Counts the instructions per decoded frame and per simulated exchange by callgrind. The numbers depend neither on the
+/// load of the machine nor, within an architecture, on the machine.
 pub fn instructions() -> Result<()> {
     install(&[VALGRIND])?;
     build()?;
@@ -88,8 +88,8 @@ pub fn instructions() -> Result<()> {
     simulated_instructions()
 }
 
-/// Counts instructions of the examples that exchange SDO messages with simulated devices: `bus_speed` with one device,
-/// and a tenth as often with one of ten; `soak` fuzzes, with a fixed seed.
+/// Counts instructions of the examples that exchange SDO messages with simulated devices. `bus_speed` exchanges them
+/// with one device, and a tenth as many with one of ten devices; `soak` fuzzes with a fixed seed.
 fn simulated_instructions() -> Result<()> {
     build_examples()?;
     println!("\ninstructions per exchange on the simulated bus");
@@ -105,7 +105,7 @@ fn simulated_instructions() -> Result<()> {
     Ok(())
 }
 
-/// Counts and prints: an example with its arguments, for two numbers of exchanges.
+/// Counts and prints the instructions of an example with its arguments, for two numbers of exchanges.
 fn simulated(name: &str, (few, many): (u32, u32), command: impl Fn(&str) -> Vec<String>) -> Result<()> {
     let count = |exchanges: u32| {
         let words = command(&exchanges.to_string());
@@ -161,7 +161,7 @@ pub fn make(format: &str, frames: u32, path: &str) -> Result<()> {
     Ok(())
 }
 
-/// Builds the measured programs, and the one that makes the traffic.
+/// Builds the measured programs, and the program that makes the traffic.
 pub fn build() -> Result<()> {
     run("cargo", &["build", "--release", "--locked"])?;
     run("cargo", &["build", "--release", "--locked", "--package", "canvass-traces", "--examples"])
@@ -171,7 +171,7 @@ pub fn capture(format: &str) -> String {
     format!("target/bench/traffic.{format}")
 }
 
-/// Decoding to one line per frame, beside tshark, and beside the time for merely finding lines.
+/// Decoding to one line per frame, compared with tshark, and with the time for merely finding lines.
 fn decoding() -> Result<()> {
     println!("\ndecoding to a line per frame, output to /dev/null");
     let (log, pcap, canvass) = (capture("candump"), capture("pcap"), release("canvass"));

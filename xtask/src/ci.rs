@@ -187,7 +187,7 @@ fn built() -> PathBuf {
     target_folder().join("debug/canvass")
 }
 
-/// Tests the page, beside the program built for the tests.
+/// Tests the page against the program that was built for the tests.
 fn page() -> Result<()> {
     web::step(|| these(&["page"]))
 }
@@ -206,12 +206,12 @@ fn program_for_vcan() -> Result<()> {
     vcan::program().map(drop)
 }
 
-/// With nextest one compilation serves also the tests with steps of their own; cargo can't leave those out.
+/// With nextest one compilation also serves the tests that have steps of their own; cargo can't leave such tests out.
 fn tests() -> Result<()> {
     if !has_nextest() {
         return everyday_tests();
     }
-    // The profile tells which tests mostly wait, and may run beside others (.config/nextest.toml).
+    // The profile tells which tests mostly wait, and may run at the same time as others (.config/nextest.toml).
     let places = (2 * std::thread::available_parallelism()?.get() + 1).to_string();
     let side_by_side = ["--profile", "ci", "--test-threads", &places];
     test(&[&["--workspace"], &FEATURES[..], &WITHOUT_NEEDS, &side_by_side].concat())
@@ -248,7 +248,7 @@ fn has_nextest() -> bool {
     is_there("cargo", &["nextest", "--version"])
 }
 
-/// The features are those of the tests, so that the compiled libraries are reused.
+/// The features are the same as for the tests, so that the compiled libraries are reused.
 fn doc_tests() -> Result<()> {
     run("cargo", &[&["test", "--workspace", "--locked", "--doc"], &FEATURES[..]].concat())
 }

@@ -57,8 +57,8 @@ pub fn compile(cargo: &mut Command, args: &[&str]) -> Result<Compiled> {
     Ok(compiled)
 }
 
-/// Counts a warning, and prints the compiler's messages. Cargo passes on only those of this workspace, and repeats them
-/// for crates that were built already.
+/// Counts a warning, and prints the compiler's messages. Cargo passes on only the messages of this workspace, and
+/// repeats them for crates that were built already.
 fn warned(message: &Value) -> usize {
     let said = &message["message"];
     eprint!("{}", said["rendered"].as_str().unwrap_or_default());

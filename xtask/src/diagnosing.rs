@@ -1,4 +1,4 @@
-//! Measures diagnosis: beside decoding of the same frames, and for hours of a healthy bus.
+//! Measures the diagnosis: compared with decoding of the same frames, and for hours of a healthy bus.
 
 use crate::bench::capture;
 use crate::measure::{best, cost, release};
@@ -13,7 +13,7 @@ const HEALTHY_CAPTURE: &str = "target/bench/machine.pcap";
 /// Diagnoses the frames that the other benchmarks decode, and a healthy machine.
 ///
 /// # Errors
-/// If anything is found in the healthy machine, as far as a program can't be run or says something unexpected.
+/// If the diagnosis finds anything in the healthy machine, if a program can't be run, or if its output is unexpected.
 pub fn diagnosing() -> Result<()> {
     println!("\ndiagnosing, processor time");
     let canvass = release("canvass");
@@ -32,7 +32,8 @@ pub fn diagnosing() -> Result<()> {
     healthy(&canvass)
 }
 
-/// The best processor time of each: a shared machine is slow at times, for both.
+/// The best processor time of each command. The commands run in turns: if a shared machine is slow for a time, it is
+/// slow for both.
 fn in_turns(one: &[&str], other: &[&str]) -> Result<(f64, f64)> {
     const TURNS: usize = 9;
     let mut best = (f64::MAX, f64::MAX);

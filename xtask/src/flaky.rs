@@ -31,7 +31,8 @@ const MOST_LATE_DEVICE: f64 = 2.0;
 /// Repeats the suite and prints a row of the table in `docs/testing.md` for each model.
 ///
 /// # Errors
-/// If a verdict changes to anything but "inconclusive" for lateness, or 1 % of them do (2 % where the device is starved).
+/// If a verdict changes to anything but "inconclusive" for lateness, or if 1 % of the verdicts or more become
+/// "inconclusive" for lateness (2 % if the device is starved).
 pub fn flaky(arguments: &[String]) -> Result<()> {
     let options = Options::read(arguments)?;
     if !options.in_machine {
@@ -68,7 +69,8 @@ fn on_machines(options: &Options) -> Result<()> {
     vcan::on_machines(program, machines, "flaky", &options.words(options.runs.div_ceil(machines)))
 }
 
-/// The path of the program. A machine has it where it lies here, but another working directory.
+/// The path of the program. In a machine of its own this process has another working directory, so that the path is
+/// absolute.
 fn program(options: &Options) -> Result<String> {
     if !options.in_machine {
         return Ok(release("canvass"));

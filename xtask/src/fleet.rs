@@ -18,12 +18,13 @@ const TARGET: &str = "fleet/target";
 /// # Errors
 /// If a program is missing, or a check fails.
 pub fn test() -> Result<()> {
-    // The tests compare answers with those of `canvass`, built as in CI so that the crates are shared.
+    // The tests compare their answers with the answers of `canvass`, which is built as in CI so that the crates are
+    // shared.
     run("cargo", &["build", "--workspace", "--locked"])?;
     step()
 }
 
-/// The step of CI, beside the program built for its tests.
+/// The step of CI, which compares answers with the program that CI has already built.
 ///
 /// # Errors
 /// As [`test()`].

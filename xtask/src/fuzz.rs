@@ -16,8 +16,8 @@ const FOLDER: &str = "fuzz-targets";
 /// The target that runs twice as long, as descriptions have many more paths.
 const LONG: &str = "description";
 
-/// Maximum size of a single allocation in MiB: a trusted length would allocate more. A container or chunk of a
-/// capture may have 32, in a buffer that grows to 64.
+/// Maximum size of a single allocation in MiB: a parser that trusts a length in its input would allocate more. A
+/// container or chunk of a capture may have 32, in a buffer that grows to 64.
 const MOST_AT_ONCE: &str = "-malloc_limit_mb=128";
 
 /// Number of targets at the same time: CI's machines have two processors.
@@ -45,8 +45,8 @@ pub fn command(words: &[String]) -> Result<()> {
     }
 }
 
-/// Runs every target for `seconds` seconds. The sanitizers need a nightly toolchain; without one only the property
-/// tests remain, which every test run includes.
+/// Runs every target for `seconds` seconds. The sanitizers need a nightly toolchain. Without this toolchain only the
+/// property tests remain, which every test run includes.
 pub fn fuzz(seconds: u32) -> Result<()> {
     if !is_there("cargo", &["+nightly", "--version"]) {
         eprintln!("no nightly toolchain: fuzzing is left out, the property tests still run");
@@ -54,7 +54,7 @@ pub fn fuzz(seconds: u32) -> Result<()> {
     }
     if !is_there("cargo", &["fuzz", "--version"]) {
         consent::ask("cargo-fuzz", "cargo install cargo-fuzz --locked --debug")?;
-        // cargo-fuzz only calls other programs: optimising it would take longer than it runs.
+        // cargo-fuzz only calls other programs: its optimisation would take longer than its run.
         run("cargo", &["install", "cargo-fuzz", "--locked", "--debug", "--quiet"])?;
     }
     run("cargo", &["+nightly", "fuzz", "build", "--fuzz-dir", FOLDER])?;

@@ -7,14 +7,15 @@
 //! - `cargo xtask peers`: tests that exchange captures with other people's programs;
 //! - `cargo xtask browser`: tests that show the pages in Chromium;
 //! - `cargo xtask fleet`: the workspace in `fleet`, with other readers of a lake;
-//! - `cargo xtask bench`: the speed of canvass beside its peers; with `--instructions`, the instructions per frame;
+//! - `cargo xtask bench`: the speed of canvass, compared with its peers; with `--instructions`, the instructions per
+//!   frame;
 //! - `cargo xtask memory`: the memory for captures of gigabytes;
 //! - `cargo xtask storm`: ten million random frames for each simulated device;
 //! - `cargo xtask attack`: changed files and misbehaving adapters, through every command;
 //! - `cargo xtask rooms`: whether the folders of the crates use each other in one direction only;
 //! - `cargo xtask incidents`: the finding that the diagnosis names first in each of a thousand networks with one fault,
 //!   and in a thousand healthy ones;
-//! - `cargo xtask worst`: the cost of the most expensive traffic, beside usual traffic;
+//! - `cargo xtask worst`: the cost of the most expensive traffic, compared with usual traffic;
 //! - `cargo xtask flaky`: the number of verdicts that change while other work keeps this machine busy;
 //! - `cargo xtask screenshot`: the pictures in `docs`;
 //! - `cargo xtask mutants`: how many random mutants of the simulated devices the suite and the fuzzer find; with

@@ -14,8 +14,8 @@ pub fn run(program: &str, args: &[&str]) -> Result<()> {
     Ok(())
 }
 
-/// A call of cargo for another workspace, without the variables of this cargo: build scripts that depend on them would
-/// rebuild everything at each change between the two.
+/// A call of cargo for another workspace, without the variables that this cargo sets: build scripts that depend on
+/// these variables would rebuild everything whenever the two workspaces are built in turn.
 pub fn cargo() -> Command {
     let mut cargo = Command::new("cargo");
     let of_cargo = |name: &str| {

@@ -1,6 +1,7 @@
 //! `cargo xtask vcan [WORDS...]`: the tests on real SocketCAN, or those whose names contain one of the words; with
-//! `--without-nightly` the tests of CI. They run on this kernel if it has vcan, else on Debian's kernel in QEMU. `cargo xtask
-//! vcan-load`: a minute of the highest load, measured there. `cargo xtask flaky --bus vcan` runs in the same machines.
+//! `--without-nightly` the tests of CI. They run on this kernel if it has vcan, else on Debian's kernel in QEMU. `cargo
+//! xtask vcan-load`: a minute of the highest load, measured there. `cargo xtask flaky --bus vcan` runs in the same
+//! machines.
 
 mod deal;
 mod files;
@@ -20,19 +21,22 @@ use std::time::Duration;
 /// The folder for Debian's kernel and the archives for its machines.
 const FOLDER: &str = "target/vcan";
 const PROBE: &str = "canvassprobe";
-/// The test that `vcan-load` runs for a minute, and the variable with its seconds.
+/// The test that `vcan-load` runs for a minute.
 const LOAD: &str = "load::nothing_is_lost";
+/// The variable for the duration of this test, and a minute in seconds.
 const MINUTE: (&str, &str) = ("CANVASS_LOAD_SECONDS", "60");
 
 const IPROUTE: Package = Package { program: "ip", probe: &["-V"], package: "iproute2" };
 
-/// Time without output after which a machine with tests is ended. A minute of the highest load takes a third of it.
+/// Time without output after which a machine with tests is ended. A minute of the highest load takes a third of this
+/// time.
 const FOR_TESTS: Duration = Duration::from_secs(1_800);
-/// The same time for runs on a busy machine, which take three times as long as their own time, and more beside other
-/// work.
+/// Time without output after which a machine with runs of `flaky` is ended. On a busy machine a run takes three times
+/// as long as on an idle one, and longer if the computer has other work.
 const FOR_RUNS: Duration = Duration::from_secs(4 * 3_600);
 
-/// The tests that CI leaves to the night: the verdicts of these models show nothing of SocketCAN that the other four models do not.
+/// The tests that CI leaves to the night: the verdicts of these models show nothing of SocketCAN that the other four
+/// models do not show.
 const AT_NIGHT: [&str; 7] = [
     "verdicts::kuebler_c100",
     "verdicts::kuebler_d125",
@@ -50,7 +54,7 @@ const OPTIMISED: [&str; 7] = ["analyzer", "bus", "device", "fuzzer", "reports", 
 struct Job {
     /// The program under test.
     program: PathBuf,
-    /// The program that is started once for each name: the tests on vcan, or this program itself in [`on_machines`].
+    /// The program that is started: the tests on vcan, or this program itself in [`on_machines`].
     starts: PathBuf,
     /// The arguments of `starts` before and after a test's name.
     arguments: [String; 2],
@@ -60,7 +64,7 @@ struct Job {
     patience: Duration,
 }
 
-/// Runs the tests of `tests/vcan` but those that CI leaves to the night.
+/// Runs the tests of `tests/vcan`, except the tests that CI leaves to the night.
 pub fn by_day() -> Result<()> {
     let job = prepare()?;
     let mut names = names(&job.starts)?;

@@ -26,7 +26,7 @@ impl Venv {
     /// Makes the environment, unless it exists and matches its requirements.
     ///
     /// # Errors
-    /// If there is no permission to make it, or a package can't be installed.
+    /// If there is no permission to make the environment, or a package can't be installed.
     pub fn install(&self) -> Result<()> {
         let wanted = fs::read_to_string(self.requirements)?;
         // A copy of the requirements from which the environment was made.

@@ -1,4 +1,4 @@
-//! Measures the most expensive traffic: time for each frame beside usual traffic, and memory.
+//! Measures the most expensive traffic: time for each frame, compared with usual traffic, and memory.
 
 use crate::bench::build;
 use crate::measure::{TIME, best, machine, release};
@@ -31,7 +31,7 @@ const COMMANDS: [&[&str]; 2] = [&["diagnose", "--fail-on", "never"], &["decode"]
 /// Prints the cost of a frame of each kind, and its multiple of a usual frame.
 ///
 /// # Errors
-/// If a frame costs more than twenty usual ones, or a kind takes 128 MiB on up to 64 channels.
+/// If a frame costs more than twenty usual frames, or a kind takes 128 MiB on up to 64 channels.
 pub fn worst() -> Result<()> {
     install(&[TIME])?;
     build()?;

@@ -1,4 +1,4 @@
-//! The firmware of a simulated device, beside its model.
+//! The firmware of a simulated device, in addition to its model.
 
 use crate::{Fault, Faults, Liberties, Liberty};
 

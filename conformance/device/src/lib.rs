@@ -3,7 +3,7 @@
 //! - [`Device`]: a device without I/O and clock; [`Motion`]: the motion of the measured quantity; [`Memory`]: the
 //!   stored values;
 //! - [`models`]: the built-in models, and models made of a user's own description;
-//! - [`Application`], [`Profile`]: the seam for device profiles; [`profiles`]: the built-in ones;
+//! - [`Application`], [`Profile`]: the interface to device profiles; [`profiles`]: the built-in profiles;
 //! - [`Fault`], [`Faults`]: defects of a firmware;
 //! - [`Liberty`], [`Liberties`]: behaviour that the standard leaves free, and that differs between firmwares;
 //! - [`Firmware`]: the faults and liberties of a device;

@@ -11,7 +11,7 @@ use canvass_device::models::Model;
 /// neither of them.
 const SAME: &[(&str, &str)] = &[("kuebler-sendix-58x8", "kuebler-sendix-f58"), ("kuebler-c100", "kuebler-d125")];
 
-/// Whether a node could be of both models: they have no object with known values that differ.
+/// Whether a node could be of both models: the models have no object whose known values differ.
 fn can_be_both(a: &Candidate, b: &Candidate) -> bool {
     let contradicts = |(object, fact): &(Multiplexer, Fact)| {
         let other = b.facts.iter().find(|other| other.0 == *object).map(|other| &other.1);

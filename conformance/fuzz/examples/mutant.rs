@@ -54,7 +54,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 enum Judged {
     Found(String),
-    /// Nothing failed, but a case about behaviour that the standard leaves open recorded it.
+    /// No case failed, but a case that records what the standard leaves open recorded a difference.
     Recorded(&'static str),
     /// Nothing was found. The number is a hash of all frames with their times.
     Traffic(u64),

@@ -1,5 +1,5 @@
-//! The state of a device that is not made anew for each sequence. The fuzzer writes values back that a reset has not
-//! brought back, and remembers the values that it can't write back.
+//! The state of a device that is not made anew for each sequence. The fuzzer writes back the values that a reset has
+//! not restored, and remembers the values that it can't write back.
 
 use super::stimulus::Stimulus;
 use super::{Knowledge, Known, limits};
@@ -25,9 +25,9 @@ pub struct Kept {
     pub power_on: u64,
 }
 
-/// Reads the objects that the frames in `sent` may have changed, and writes the power-on values back that the reset has
-/// not brought back. Returns the objects that keep another value. `earlier`: objects that could not be written back
-/// before; they are checked again. `observe` sees every frame of these transfers.
+/// Reads the objects that the frames in `sent` may have changed, and writes back the power-on values that the reset has
+/// not restored. Returns the objects that keep another value. `earlier`: objects that could not be written back before;
+/// they are checked again. `observe` sees every frame of these transfers.
 ///
 /// # Errors
 /// [`BusError`] if the bus fails.
@@ -72,7 +72,7 @@ pub struct FinalState {
     pub settings: usize,
     /// Number of these settings that were also read after the run.
     pub compared: usize,
-    /// Settings whose value differs from that before the run. Values that change by themselves are left out.
+    /// Settings whose value differs from the value before the run. Values that change by themselves are left out.
     pub different: Vec<Kept>,
 }
 
@@ -86,7 +86,8 @@ const MOVES: Duration = Duration::from_millis(1_100);
 /// Maximum time for reading the settings. The run ends in time even if the device is slow.
 const LONGEST_LOOK: Duration = Duration::from_secs(5);
 
-/// Reads all settings again, even those that no frame has named, and writes none. `None`: the device does not answer.
+/// Reads all settings again, even settings that no frame has named, and writes none. `None`: the device does not
+/// answer.
 ///
 /// # Errors
 /// [`BusError`] if the bus fails.

@@ -39,7 +39,7 @@ pub struct Plan {
     pub allow: BTreeSet<Touch>,
     /// Maximum number of tries to make the sequence of one violation shorter.
     pub shrink_budget: u32,
-    /// The end of the run, even within a sequence or while one is made shorter.
+    /// Time limit of the run. It also ends a sequence that is being run or shortened.
     pub time: TimeLimit,
     /// End with the first violation.
     pub stop_at_first: bool,
@@ -61,10 +61,10 @@ pub struct Found {
     /// Whether the violation came again when the sequence was repeated from power-on. If not, sequence and evidence are
     /// those of its only occurrence.
     pub confirmed: bool,
-    /// Objects without their power-on values when the violation was seen: neither a reset nor a write had brought these
-    /// back. A confirmation also begins with them.
+    /// Objects without their power-on values when the violation was seen: neither a reset nor a write had restored
+    /// them. These objects are also changed when the sequence is repeated.
     pub state: Vec<Kept>,
-    /// The bus was lost before the sequence could be repeated.
+    /// Whether the bus was lost before the sequence could be repeated.
     pub is_cut_off: bool,
 }
 
@@ -103,9 +103,9 @@ pub struct Outcome {
     pub unjudged: u64,
     /// Whether the run ended because the device did not come back after a reset.
     pub dead: bool,
-    /// Whether each sequence got a new simulated device, so that the run could leave none changed.
+    /// Whether each sequence got a new simulated device, so that the run leaves no device changed.
     pub is_simulated: bool,
-    /// The settings that the run leaves on a live device. `None`: it does not answer any more, or is simulated.
+    /// The settings that the run leaves on a live device. `None`: the device does not answer any more, or is simulated.
     pub left: Option<FinalState>,
     /// All violations, one for each rule.
     pub violations: Vec<Found>,
@@ -126,20 +126,19 @@ pub enum FuzzError {
     Bus(#[from] BusError),
 }
 
-/// Number of violations after which a run ends: the device is simply broken.
+/// Number of violations after which a run ends: the device is broken in general.
 const MOST_VIOLATIONS: usize = 25;
 
-/// Number of sequences after which the fuzzer looks anew for the least exercised combination.
+/// Number of sequences after which the fuzzer again looks for the least exercised combination of state and command.
 const REFOCUS: u64 = 64;
-/// Number of sequences after which the fuzzer looks anew for this combination on a live device, where a sequence takes
-/// much longer.
+/// [`REFOCUS`] for a live device, where a sequence takes much longer.
 const REFOCUS_LIVE: u64 = 4;
 
 /// On a live device, at most one part in [`PAUSES`] of the time is spent in pauses.
 const PAUSES: u64 = 10;
 
-/// Fuzzes a device until `go_on`, which is asked after each sequence, says no. If the bus fails, the run ends and keeps
-/// its results.
+/// Fuzzes a device. `go_on` is called after each sequence; `false` ends the run. If the bus fails, the run ends and
+/// keeps its results.
 ///
 /// # Errors
 /// [`FuzzError::Unreachable`] if the device can't be reached.
@@ -224,8 +223,7 @@ pub fn replay(
 
 struct Campaign<'a> {
     executor: Executor,
-    /// Violations that were reported, and violations that did not come back with the number of tries: they are not
-    /// reported again.
+    /// The violations seen so far, by property and rule. Each of them is reported only once.
     seen: BTreeMap<(Property, &'static str), Standing>,
     violations: Vec<Found>,
     sequences: u64,
@@ -247,14 +245,14 @@ struct Campaign<'a> {
     plan: &'a Plan,
 }
 
-/// What is known of a violation that was seen.
+/// The result of repeating a violation that was seen.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Standing {
     Confirmed,
     /// The violation did not come back in this number of repetitions.
     Doubtful(u32),
-    /// The violation comes back at the swift pace when everything sent since a start is sent again; that sequence is
-    /// being made shorter. Before, the violation did not come back in this number of repetitions.
+    /// The violation comes back at the swift pace when all frames since the start are sent again; this long sequence is
+    /// being made shorter. Before that, the violation did not come back in this number of repetitions.
     InHistory(u32),
 }
 
@@ -290,7 +288,7 @@ impl Campaign<'_> {
         let pace = if stand.is_repeatable() { Pace::Careful } else { Pace::Swift };
         let mut runner = TestRunner::new_with_rng(Config::default(), rng(self.plan.seed));
         let refocus = if stand.is_repeatable() { REFOCUS } else { REFOCUS_LIVE };
-        // A combination that was tried and not reached waits for its next turn: a device may never get there.
+        // A combination that was tried but not reached waits for its next turn: the device may never reach it.
         let mut tried = BTreeMap::new();
         loop {
             if self.sequences.is_multiple_of(refocus) {
@@ -326,8 +324,8 @@ impl Campaign<'_> {
         self.keep_unshortened();
     }
 
-    /// Resets a live device and compares its settings with those at the beginning. It may also have died in the last
-    /// sequence.
+    /// Resets a live device and compares its settings with those before the run. The device may also have died in the
+    /// last sequence.
     fn leave(&mut self, stand: &mut dyn TestStand) -> Result<(), BusError> {
         if stand.is_repeatable() || self.dead {
             return Ok(());
@@ -403,8 +401,8 @@ fn rng(seed: u64) -> TestRng {
     TestRng::from_seed(RngAlgorithm::XorShift, &bytes)
 }
 
-/// Leaves out a pause if the pauses before have taken more than their share of the time, or if it is longer than this
-/// share.
+/// Leaves out each pause if the earlier pauses have taken more than their share of the time, or if the pause is longer
+/// than this share.
 fn keep_to_share(sequence: &mut Sequence, spent: &Spent) {
     let share = Duration(spent.total().nanos() / PAUSES);
     let (_, mut paused) = spent.of(Cause::Pause);

@@ -1,5 +1,5 @@
-//! Reduces many frames to those that, according to the standard, set the state of a device: the last NMT command, and
-//! the last value written to each object.
+//! Reduces many frames to the frames that, according to the standard, determine the state of a device: the last NMT
+//! command, and the last value written to each object.
 
 use super::Knowledge;
 use super::stimulus::Stimulus;
@@ -8,7 +8,7 @@ use canvass_analyzer::wire::nmt::{self, Command, Nmt};
 use canvass_analyzer::wire::sdo::REQUEST_BASE;
 use std::collections::BTreeSet;
 
-/// The effect of a frame. A later frame with the same effect makes an earlier one superfluous.
+/// The effect of a frame. A later frame with the same effect makes an earlier frame superfluous.
 #[derive(PartialEq, Eq, PartialOrd, Ord)]
 enum Effect {
     State,
@@ -16,7 +16,8 @@ enum Effect {
     Value([u8; 3]),
 }
 
-/// Selects the frames that matter for the frames after them. Each gets time for its answer.
+/// Selects the frames that determine the state of the device for later frames. After each selected frame the device
+/// gets time to answer.
 pub(super) fn condense(sent: &[Stimulus], knowledge: &Knowledge) -> Vec<Stimulus> {
     let mut later = BTreeSet::new();
     let mut condensed = Vec::new();

@@ -239,14 +239,14 @@ impl Default for Coverage {
 /// The states of the SDO server that a run can reach.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct SdoReach {
-    /// The server supports block transfers.
+    /// Whether the server supports block transfers.
     pub blocks: bool,
-    /// An object has a value that does not fit into one frame and is sent in segments.
+    /// Whether an object has a value that does not fit into one frame and is sent in segments.
     pub long_values: bool,
 }
 
 impl SdoReach {
-    /// The reach on a device. A feature that nobody has described counts as supported.
+    /// The reach on a device. A feature that is not described counts as supported.
     pub fn of(knowledge: &Knowledge) -> Self {
         let is_long = |known: &Known| known.readable && known.size.is_none_or(|size| size > 4);
         Self {
@@ -264,8 +264,8 @@ impl SdoReach {
     }
 }
 
-/// What a run can reach of LSS or LMT. A master can send every command in every state, so only the slave's states and
-/// the commands that are not allowed matter.
+/// The states and commands of LSS or LMT that a run can reach. A master can send every command in every state, so that
+/// only the states of the slave and the commands that the user has not allowed limit a run.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct LssReach {
     /// The states that the slave has.
@@ -358,13 +358,13 @@ impl Coverage {
         sdo + lss
     }
 
-    /// Number of reachable SDO combinations that were seen, and number of all.
+    /// Number of reachable SDO combinations that were seen, and number of all reachable SDO combinations.
     pub fn sdo_share(&self, reach: SdoReach) -> (usize, usize) {
         let pairs: Vec<_> = Self::sdo_pairs(reach).collect();
         (pairs.iter().filter(|&&(state, command)| self.sdo_count(state, command) > 0).count(), pairs.len())
     }
 
-    /// Number of reachable LSS combinations that were seen, and number of all.
+    /// Number of reachable LSS combinations that were seen, and number of all reachable LSS combinations.
     pub fn lss_share(&self, reach: &LssReach) -> (usize, usize) {
         let pairs: Vec<_> = Self::lss_pairs(reach).collect();
         (pairs.iter().filter(|&&(state, command)| self.lss_count(state, command) > 0).count(), pairs.len())

@@ -14,7 +14,7 @@ use std::time::{Duration, Instant};
 /// The limits of the search for a fault.
 #[derive(Clone, Copy, Debug)]
 pub struct Limit {
-    /// Number of frames, without those sent to shorten the sequence.
+    /// Number of frames, without the frames sent to shorten the sequence.
     pub exchanges: u64,
     /// Time on this computer.
     pub time: Duration,
@@ -40,7 +40,8 @@ pub struct Detected {
     pub found: Found,
     /// Time on this computer until the violation was seen and its sequence shortened.
     pub elapsed: Duration,
-    /// The same sequence shows nothing on the model without the fault, so the fault caused the violation.
+    /// Whether the same sequence shows nothing on the model without the fault, so that the fault has caused the
+    /// violation.
     pub caused: bool,
 }
 

@@ -62,10 +62,10 @@ struct Condition {
 /// How a sequence begins, and how long the fuzzer waits after each frame.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Pace {
-    /// The sequence begins with a start, and each frame is followed by enough time to see an answer that must not come.
+    /// The sequence begins with a start. After each frame there is enough time for a forbidden answer to be seen.
     Careful,
-    /// On a live device the sequence begins in the state that the last one has left, if that is known. The next frame
-    /// follows at once if an excess answer would come before the answer to this next frame.
+    /// On a live device the sequence begins in the state that the last sequence has left, if this state is known. The
+    /// next frame follows at once if a forbidden answer would come before the answer to the next frame.
     Swift,
 }
 
@@ -87,20 +87,22 @@ pub(super) enum Ended {
     Well,
     /// A property does not hold.
     Violation(Violation),
-    /// The device was lost before the sequence: the reset did not bring it back. `dead`: further resets did not either.
+    /// The device was lost before the sequence: the reset did not bring it back. `dead`: further resets did not bring
+    /// it back either.
     Lost { violation: Violation, dead: bool },
 }
 
 /// The violation of a server that can't be read any more.
 const WEDGED: (Property, &str) = (Property::Responsive, "canonical read");
 
-/// The rule that a device violates if it does nothing any more.
+/// The rule that a device violates if it has stopped working.
 pub(super) const DEATH: &str = "device death";
 
 /// The rule that a device violates if it comes back only after a further reset.
 const REVIVED: &str = "reset after a sequence";
 
-/// Maximum number of runs of a sequence that is interrupted each time: the sequence itself may interrupt the way to the bus.
+/// Maximum number of runs of a sequence that is interrupted each time: the sequence itself may interrupt the way to the
+/// bus.
 const MOST_INTERRUPTED: u32 = 3;
 
 /// Number of sequences after which a device that is not reset between them is reset, so that a violation does not
@@ -129,8 +131,8 @@ const LATELY: usize = 8;
 const MISSING_ANSWER: u64 = 6;
 
 /// Whether a forbidden answer to the frame is recognised however late it comes. Servers and slaves answer one request
-/// after the other, and the models of SDO and LSS don't mix them up. Other frames may still take effect while the next
-/// one comes.
+/// after the other, so that the models of SDO and LSS know the request of each answer. Other frames may still take
+/// effect when the next frame comes.
 fn shows_late(frame: &Frame) -> bool {
     let is_request = |id| matches!(id, 0x600..=0x67F | lss::MASTER_CAN_ID);
     frame.id().as_standard().is_none_or(|id| is_request(id) && !frame.is_remote())
@@ -233,7 +235,8 @@ impl Executor {
             self.condition.left = Left::Unknown;
         }
         let is_begun = Cell::new(self.condition.left != Left::Unknown);
-        // A device in this process can panic. Its remains are not used any more; the next start makes a new device.
+        // A device in this process can panic. The panicked device is not used any more; the next start makes a new
+        // device.
         let ended = catch_unwind(AssertUnwindSafe(|| self.attempt(stand, sequence, &is_begun)));
         let ended = ended.unwrap_or_else(|panic| {
             let violation = self.death(DEATH, "a device that lives", &panicked(&*panic));
@@ -264,7 +267,7 @@ impl Executor {
         self.in_time(stand)?;
         let before = stand.bus().health();
         let goes_on = match std::mem::replace(&mut self.condition.left, Left::Unknown) {
-            // A violation that is being shown again must not begin in the state that the try before has left.
+            // A sequence that shows a known violation again must not begin in the state that the previous try has left.
             Left::AtRest if !self.known.presumes() => true,
             Left::AtRest | Left::Recoverable if !self.is_recovery_faster() => false,
             Left::AtRest | Left::Recoverable => {
@@ -318,7 +321,7 @@ impl Executor {
         self.history.start(is_repeatable);
         self.condition.in_a_row = 0;
         if !is_repeatable && self.knowledge.services.boot_up_message && self.oracle.is_booting() {
-            // The pending boot-up message would be taken for the one of the next reset.
+            // The pending boot-up message would be taken for the boot-up message of the next reset.
             wait_for_boot_up(stand.bus(), self.knowledge.node, self.knowledge.patience.boot)?;
         }
         let health = stand.bus().health();
@@ -347,7 +350,7 @@ impl Executor {
         Ok(())
     }
 
-    /// Resets the device after the last sequence, and says whether that has brought it back.
+    /// Resets the device after the last sequence. The result says whether the reset has brought the device back.
     ///
     /// # Errors
     /// [`BusError`] if the bus fails.
@@ -359,14 +362,14 @@ impl Executor {
         ended
     }
 
-    /// Makes the next sequence begin with a reset, whatever state the last one has left.
+    /// Makes the next sequence begin with a reset, whatever state the last sequence has left.
     pub(crate) const fn forget_rest(&mut self) {
         self.condition.left = Left::Unknown;
     }
 
     /// Handles a violation that did not come back: an answer may have come too late, or the device may serve later
-    /// frames before earlier ones. Silence has to last longer for a while. If this happens again and again, the fuzzer
-    /// waits for silence after each frame.
+    /// frames before earlier frames. Silence has to last longer for a while. If this happens again and again, the
+    /// fuzzer waits for silence after each frame.
     pub(crate) fn distrust(&mut self, property: Property) {
         self.tally.unjudged += 1;
         self.waits.trusts.doubt(property, self.knowledge.patience.answer);
@@ -393,7 +396,7 @@ impl Executor {
         &self.knowledge
     }
 
-    /// The violation of a device that does nothing any more.
+    /// The violation of a device that has stopped working.
     fn death(&self, rule: &'static str, expected: &str, actual: &str) -> Violation {
         Violation {
             property: Property::Alive,

@@ -93,14 +93,13 @@ pub struct Patience {
     pub quiet: Duration,
     /// Maximum time from a reset to the boot-up message.
     pub boot: Duration,
-    /// Tolerance of times measured here. Device timers tick in milliseconds, and the measuring computer is sometimes
-    /// late.
+    /// Tolerance of measured times. Device timers tick in milliseconds, and the measuring computer is sometimes late.
     pub jitter: Duration,
 }
 
 impl Patience {
     /// The patience for a device with these measured times of answers and of its last start. The time of silence
-    /// depends on the fastest nine of ten answers: a single late one is usually due to the host.
+    /// depends on the fastest nine of ten answers: a single late answer is usually due to the host.
     pub fn measured(self, mut answers: Vec<Duration>, restart: Duration) -> Self {
         answers.sort_unstable();
         let slowest = answers.last().copied().unwrap_or_default();
@@ -307,20 +306,20 @@ impl Services {
     }
 }
 
-/// Whether the value read differs from the value written by the purpose of the object.
+/// Whether an object, by its purpose, returns another value than the value written to it.
 fn has_a_life_of_its_own(at: Multiplexer) -> bool {
     matches!(at.index.0, object::ERROR_REGISTER | object::MANUFACTURER_STATUS_REGISTER | object::PREDEFINED_ERROR_FIELD | object::STORE_PARAMETERS | object::RESTORE_DEFAULT_PARAMETERS | object::HIGH_RESOLUTION_TIME_STAMP | object::VERIFY_CONFIGURATION | 0x1023..=0x1026 | 0x1F50..=0x1F57)
 }
 
-/// Bit 1 of 1010h:01: what is written is stored without a command (CiA 301, 7.5.2.13).
+/// Whether the device stores written values without a command: bit 1 of 1010h:01 (CiA 301, 7.5.2.13).
 fn stores_by_itself(description: &DeviceDescription) -> bool {
     let entry = description.dictionary.entry(Multiplexer::new(object::STORE_PARAMETERS, 1));
     let default = entry.ok().and_then(|entry| entry.default.as_ref()?.fixed()?.to_raw());
     default.is_some_and(|capability| capability & 1 << 1 != 0)
 }
 
-/// Entries that CiA 301 reserves in the communication parameters of PDOs: reading and writing them is refused with abort
-/// 0609 0011h, whatever the description says (7.5.2.35 and 7.5.2.37).
+/// Entries that CiA 301 reserves in the communication parameters of PDOs: reading and writing them is refused with
+/// abort 0609 0011h, whatever the description says (7.5.2.35 and 7.5.2.37).
 const fn is_reserved(at: Multiplexer) -> bool {
     matches!((at.index.0, at.sub.0), (0x1400..=0x15FF, 4 | 6) | (0x1800..=0x19FF, 4))
 }

@@ -58,7 +58,7 @@ pub fn of(frame: &Frame, knowledge: &Knowledge, allow: &BTreeSet<Touch>) -> Opti
 }
 
 /// Checks an entry of an RPDO mapping, as a later RPDO writes the mapped object. The value of a segmented download is
-/// not seen here and may be any object.
+/// not known here and may be any object.
 fn mapping(at: Multiplexer, request: &[u8], knowledge: &Knowledge, allow: &BTreeSet<Touch>) -> Option<Forbidden> {
     if !(0x1600..0x1800).contains(&at.index.0) || at.sub.0 == 0 {
         return None;
@@ -74,7 +74,7 @@ fn mapping(at: Multiplexer, request: &[u8], knowledge: &Knowledge, allow: &BTree
     }
 }
 
-/// The effect of writing the object that the user has not allowed. `None`: it may be written.
+/// The effect of writing the object that the user has not allowed. `None`: the object may be written.
 pub fn writing(at: Multiplexer, knowledge: &Knowledge, allow: &BTreeSet<Touch>) -> Option<Forbidden> {
     let unless = |touch: Touch| (!allow.contains(&touch)).then_some(Forbidden::Touch(touch));
     let services = &knowledge.services;

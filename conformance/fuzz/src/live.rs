@@ -25,11 +25,11 @@ pub struct Live<'a> {
 /// Number of resets without a sign of life after which the device counts as dead.
 const RESETS: u32 = 3;
 
-/// Boot time granted after the first reset to a device that answered before it, when its real boot time is not known
-/// yet.
+/// Boot time that the first reset allows to a device that answered before this reset, while its real boot time is not
+/// known.
 const FIRST_BOOT: Duration = Duration::from_secs(15);
 
-/// Time to wait for a boot-up message before the device is asked for an answer. Both are repeated.
+/// Time to wait for a boot-up message before the device is asked for an answer. Both steps are repeated.
 const SOON: Duration = Duration::from_secs(1);
 
 impl<'a> Live<'a> {

@@ -1,7 +1,7 @@
-//! The seam for device profiles: the properties that a profile adds to those of every device, and the dialogues that
-//! check them.
+//! The interface to device profiles: the properties that a profile adds to the properties of every device, and the
+//! dialogues that check them.
 //!
-//! A profile registers itself; models and generators ask the profiles that a device may have and name none.
+//! A profile registers itself; models and generators ask the profiles that a device may have, and name no profile.
 
 use super::Knowledge;
 use super::property::ProfileProperty;

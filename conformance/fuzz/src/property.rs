@@ -31,7 +31,7 @@ macro_rules! properties {
                 match self { $(Self::$variant => $title,)* Self::OfProfile(property) => property.title }
             }
 
-            /// What is demanded, why, and how it is judged.
+            /// The requirement, its reason, and how it is judged.
             pub const fn explanation(self) -> &'static str {
                 match self {
                     $(Self::$variant => concat!($($doc, "\n"),+),)*
@@ -97,7 +97,7 @@ pub struct ProfileProperty {
     pub id: &'static str,
     /// The title in one line.
     pub title: &'static str,
-    /// What is demanded, why, and how it is judged.
+    /// The requirement, its reason, and how it is judged.
     pub explanation: &'static str,
 }
 

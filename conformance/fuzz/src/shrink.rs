@@ -22,7 +22,7 @@ pub struct SequenceTree {
     /// The variant that is being tried. `None`: the simplest sequence itself.
     variant: Option<Sequence>,
     step: ShrinkStep,
-    /// A variant was accepted since the steps began anew.
+    /// Whether a variant was accepted since the steps began anew.
     progress: bool,
 }
 
@@ -75,7 +75,7 @@ impl SequenceTree {
         self.variant.as_ref().unwrap_or(&self.best)
     }
 
-    /// Returns to the variant that was to be tried, or makes the next one. `false` if there is none.
+    /// Returns to the variant that was to be tried, or makes the next variant. `false` if there is none.
     pub(super) fn go_on(&mut self) -> bool {
         self.variant.is_some() || self.advance()
     }
@@ -190,7 +190,7 @@ impl SequenceTree {
     fn accepted(&mut self) {
         self.progress = true;
         match &mut self.step {
-            // The frames before are gone already, so longer ends need no try.
+            // The frames before the kept end are gone already, so that longer ends need no try.
             ShrinkStep::Last { .. } => self.step = ShrinkStep::NoPauses,
             ShrinkStep::Remove { length, from } | ShrinkStep::Wait { length, from } => {
                 *from = from.saturating_sub(stride(*length));

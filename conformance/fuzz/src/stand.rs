@@ -44,7 +44,7 @@ pub trait TestStand {
 pub enum Readiness {
     /// The device has started.
     Ready,
-    /// The device did not come back from the first reset, but from a further one.
+    /// The device did not come back from the first reset, but from a further reset.
     Revived,
     /// The device neither boots nor answers any more, even after repeated resets.
     Dead,

@@ -39,7 +39,7 @@ pub enum Start {
     Unconfigured,
 }
 
-/// A try: a start and frames, one after the other.
+/// A start, and frames that are sent one after the other.
 #[derive(Clone, PartialEq, Debug, Default)]
 pub struct Sequence {
     /// The state in which the sequence begins.

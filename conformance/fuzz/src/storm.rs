@@ -35,7 +35,7 @@ pub struct Storm {
 /// A device that failed.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum Broken {
-    /// The device does not answer to its device type after it was switched off and on.
+    /// The device does not answer a request for its device type after it was switched off and on.
     #[error(
         "{model}: expected an answer to the device type after {frames} frames and power-on, found none (seed {seed})"
     )]
@@ -67,9 +67,10 @@ pub enum Broken {
 
 /// Number of frames that a device receives before it is switched off and on.
 const EPISODE: u64 = 2_000;
-/// Limits of the number of wake-ups in any pause, and for each of its milliseconds. The device may have many timers,
-/// but none is finer than a millisecond.
+/// Maximum number of wake-ups in a pause of any length.
 const WAKES: u64 = 1_000;
+/// Number of further wake-ups for each millisecond of a pause. The device may have many timers, but none is finer than
+/// a millisecond.
 const WAKES_PER_MILLISECOND: u64 = 100;
 /// A time longer than any device takes to start and to write its memory.
 const START: Duration = Duration::from_secs(10);
@@ -101,7 +102,7 @@ struct Attack<'a> {
     dice: Dice<'a>,
     done: Storm,
     seed: u64,
-    /// The frame before, which may be sent again with one byte changed.
+    /// The previous frame, which may be sent again with one byte changed.
     last: Option<Frame>,
 }
 
@@ -114,7 +115,7 @@ struct Attacked {
 impl Attack<'_> {
     fn episode(&mut self, frames: u64) -> Result<(), Broken> {
         let faults = self.faults();
-        // One device in eight has no node-ID, another one has faults.
+        // One device in eight has no node-ID, another device in eight has faults.
         let node = if self.done.starts % 8 == 5 { None } else { self.model.default_node().or(NodeId::new(USUAL_NODE)) };
         let motion = Motion::constant(self.dice.number() as i64 >> 20, self.dice.number() as i64 >> 40);
         let device = Device::with_motion(self.model, node, faults, self.dice.number(), &motion);
@@ -209,7 +210,7 @@ impl Attack<'_> {
         Ok(last)
     }
 
-    /// Whether the device answers to its device type, in the state in which it has started.
+    /// Whether the device answers a request for its device type, in the state in which it has started.
     fn answers(&mut self, attacked: &mut Attacked) -> Result<bool, Broken> {
         let Some(node) = attacked.device.node() else { return Ok(true) };
         let node = u16::from(node.raw());

@@ -8,7 +8,8 @@ use canvass_traces::Duration;
 /// Number of violations that did not come back after which the device is not assumed to serve requests in their order.
 const MOST_DOUBTS: u32 = 3;
 
-/// Number of sequences without a doubt after which the required silence is halved, down to the measured time.
+/// The required silence is halved, but not below the measured time, after this number of sequences in which each
+/// violation came back.
 const REGAINED: u32 = 64;
 
 /// The trust in one of the device's services.
@@ -16,7 +17,7 @@ const REGAINED: u32 = 64;
 struct Trust {
     /// Number of violations that did not come back.
     doubts: u32,
-    /// Number of sequences since the last doubt.
+    /// Number of sequences since the last violation that did not come back, or since the last halving.
     since_doubt: u32,
     /// The required duration of silence.
     quiet: Duration,
@@ -29,8 +30,8 @@ impl Trust {
         self.quiet = self.quiet.times(2).min(longest);
     }
 
-    /// Counts a sequence without a doubt. After many, silence gets shorter again, as the host may have caused the late
-    /// answer.
+    /// Counts a sequence in which each violation came back. After [`REGAINED`] such sequences the required silence gets
+    /// shorter again, as the host may have caused the late answer.
     fn regain(&mut self, measured: Duration) {
         self.since_doubt += 1;
         if self.since_doubt >= REGAINED {
@@ -55,7 +56,7 @@ pub(super) struct Trusts {
 }
 
 impl Trusts {
-    /// Trust without doubts. `measured`: the required duration of silence.
+    /// Full trust, as no violation has failed to come back yet. `measured`: the required duration of silence.
     pub const fn new(measured: Duration) -> Self {
         let trust = Trust { doubts: 0, since_doubt: 0, quiet: measured };
         Self { lss: trust, others: trust, measured, awaits_lss: false }

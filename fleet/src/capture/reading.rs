@@ -87,7 +87,8 @@ impl Reading {
         }
     }
 
-    /// Reads the next item that is not skipped. The quality does not count records: skipped ones are not examined.
+    /// Reads the next item that is not skipped. The quality then does not count the records, as skipped records are not
+    /// examined.
     ///
     /// # Errors
     /// As [`Reading::advance`].

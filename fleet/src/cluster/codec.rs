@@ -1,4 +1,5 @@
-//! Tables and plans as bytes. Those of canvass-fleet are a mark and JSON; all others have Ballista's encoding.
+//! Tables and plans as bytes. Tables and plans of canvass-fleet are encoded as a mark and JSON; all others have
+//! Ballista's encoding.
 
 use crate::capture::{CaptureFile, is_url};
 use crate::devices::Devices;

@@ -74,7 +74,7 @@ impl Executor {
         self.advertise.clone().or_else(named).unwrap_or_else(|| self.bind.ip().to_string())
     }
 
-    /// The two ports. Both are opened once, so that the reason is reported if that fails.
+    /// The two ports. Both are opened once beforehand, so that the reason is reported if a port can't be opened.
     fn ports(&self) -> Result<(u16, u16), ClusterError> {
         let open = |port: u16| {
             let address = SocketAddr::new(self.bind.ip(), port);

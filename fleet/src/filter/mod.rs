@@ -103,7 +103,7 @@ impl<R: Rows> Filter<R> {
         Self { tests: tests.iter().map(find).collect(), scratch: String::new() }
     }
 
-    /// A filter of only those tests that give the same result for all rows of frames that are alike. Frames with 29-bit
+    /// A filter with only the tests that give the same result for all rows of frames that are alike. Frames with 29-bit
     /// CAN-IDs may be alike and differ in the CAN-ID: `any_id` omits the tests of the CAN-ID.
     pub fn of_alike(tests: &[Test], any_id: bool) -> Self {
         let is_alike = |test: &&Test| R::ALIKE.contains(&&*test.column) && !(any_id && test.column == "can_id");

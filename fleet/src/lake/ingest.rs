@@ -1,4 +1,4 @@
-//! A run of an ingest: finds new files, reads them, and commits their entries on the way.
+//! A run of an ingest: finds new files, reads them, and commits their entries meanwhile.
 
 use super::plan::{IngestSpec, IngestTable};
 use super::{Entry, LakeError, Location, Snapshot, leftovers, rules};
@@ -60,7 +60,7 @@ pub struct Summary {
     pub bytes: u64,
 }
 
-/// Number of waiting entries at which they are committed; they are also committed when the first has waited
+/// Number of waiting entries at which a commit is made. A commit is also made when the first entry has waited
 /// [`LONGEST_WAIT`].
 const WAITING: usize = 64;
 const LONGEST_WAIT: Duration = Duration::from_secs(2);
@@ -88,7 +88,7 @@ impl Ingest {
     }
 }
 
-/// A run under way.
+/// A run in progress.
 struct Run {
     location: Location,
     snapshot: Snapshot,
@@ -152,7 +152,7 @@ impl Run {
         entry.is_some_and(|entry| hashes.get(&file.name) == Some(&entry.sha256))
     }
 
-    /// The SHA-256 of each file that may equal another file, because their lengths are the same.
+    /// The SHA-256 of each file that may equal another file, as both have the same length.
     async fn hashes(&self, files: &[CaptureFile], access: &Access) -> Result<BTreeMap<String, String>> {
         let mut lengths: BTreeMap<u64, usize> = BTreeMap::new();
         files.iter().for_each(|file| *lengths.entry(file.size).or_default() += 1);

@@ -1,7 +1,7 @@
 //! The log of a lake: the list of its files. Files that the log does not name are not part of the lake.
 //!
-//! A commit is one object, written whole or not at all, and its number can be used only once. So a killed run leaves
-//! what it has committed, and if two runs commit the same number, the second one is refused.
+//! A commit is one object, written whole or not at all, and its number can be used only once. So the commits of a
+//! killed run stay, and if two runs commit the same number, the second one is refused.
 
 use super::{Entry, LakeError, Location};
 use bytes::Bytes;

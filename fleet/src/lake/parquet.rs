@@ -30,7 +30,8 @@ pub struct Folder {
     pub handle: Handle,
 }
 
-/// Number of rows in a row group: large enough that columns compress well, small enough that a reader can skip some.
+/// Number of rows in a row group: large enough that columns compress well, small enough that a reader can skip some
+/// groups.
 const GROUP: usize = 256 * 1024;
 
 /// The file of one table. It is not created before its first row.

@@ -123,8 +123,8 @@ impl TableProvider for LakeTable {
         TableType::Base
     }
 
-    /// Filters only skip files. The engine filters the rows of the others, and passes its filters to the Parquet reader
-    /// itself.
+    /// Filters only skip files. The engine filters the rows of the other files, and passes its filters to the Parquet
+    /// reader itself.
     fn supports_filters_pushdown(&self, filters: &[&Expr]) -> Result<Vec<TableProviderFilterPushDown>> {
         Ok(vec![TableProviderFilterPushDown::Inexact; filters.len()])
     }

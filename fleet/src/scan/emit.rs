@@ -46,7 +46,8 @@ impl Wanted<'_> {
 pub struct Emitter<'a, R: Rows> {
     builder: BatchBuilder<R>,
     filter: Filter<R>,
-    /// Tests that decide about all frames that are alike by one of them: for 11-bit CAN-IDs, and for 29-bit CAN-IDs.
+    /// Tests whose result for one frame holds for all frames that are alike: for frames with 11-bit CAN-IDs, and with
+    /// 29-bit CAN-IDs.
     alike: [Filter<R>; 2],
     left: Option<usize>,
     batch_rows: usize,
@@ -136,7 +137,7 @@ impl<'a, R: Rows> Emitter<'a, R> {
     /// As [`Emitter::row`].
     pub fn finish(mut self) -> Result<(), ScanError> {
         if self.builder.rows() > 0 {
-            // An outlet that wants no more rows has all that it wanted.
+            // An outlet that wants no more rows is no error.
             let _ = self.flush()?;
         }
         Ok(())

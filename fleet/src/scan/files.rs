@@ -1,7 +1,7 @@
 //! Common parts of the plans that read files: their input is a row for each file, and they read in blocking tasks.
 //!
 //! The files are a plan of their own, as rows in memory: Ballista gives each task only its own partitions of such a
-//! plan. Of a plan that Ballista does not know, each task would get all partitions.
+//! plan. If Ballista did not know the kind of the plan, each task would get all partitions.
 
 use crate::capture::CaptureFile;
 use datafusion::arrow::array::{ArrayRef, AsArray as _, Int64Array, RecordBatch, StringArray, UInt64Array};

@@ -84,7 +84,7 @@ impl UrlTableFactory for FileTables {
             return self.others.try_new(url).await;
         }
         let Some(state) = self.state() else { return Ok(None) };
-        // A name that matches no file is reported by the engine as a missing table.
+        // The engine reports a name that matches no file as a missing table.
         let Ok(files) = find(url, state.runtime_env()).await else { return Ok(None) };
         let options = Options::of(state.config_options());
         Ok(Some(Arc::new(CaptureTable::new(Table::Messages, Files::Known(files), &options)?)))

@@ -9,10 +9,10 @@ use datafusion::error::Result;
 extensions_options! {
     /// How captures are scanned.
     pub struct Options {
-        /// Whether filters and limits are asked before rows are made. Without it every row is made, and the query engine
-        /// filters: the same rows, later.
+        /// Whether filters and limits are applied before rows are made. Otherwise every row is made, and the query
+        /// engine filters the rows: the answer is the same, but comes later.
         pub push_down: bool, default = true
-        /// The rules which device a node is, one a line: `5=motor.eds`, `product:0x2011=encoder.eds`.
+        /// The rules that tell which device a node is, one rule a line: `5=motor.eds`, `product:0x2011=encoder.eds`.
         pub devices: String, default = String::new()
     }
 }

@@ -46,7 +46,7 @@ pub struct CaptureScan {
     schema: SchemaRef,
     properties: Arc<PlanProperties>,
     metrics: ExecutionPlanMetricsSet,
-    /// The name of the computer on which the scan runs, if it is not the one that asks.
+    /// The name of the computer on which the scan runs, if another computer made the query.
     host: Option<Arc<str>>,
 }
 
@@ -129,7 +129,7 @@ impl Task {
     }
 }
 
-/// Sends batches to whoever polls the partition.
+/// Sends batches to the reader of the partition.
 struct Channel {
     sender: Sender<Result<RecordBatch>>,
     metrics: BaselineMetrics,

@@ -51,7 +51,7 @@ pub trait OfFrames {
     /// Whether there may be frames that give no rows.
     fn may_refuse(&self) -> bool;
 
-    /// Whether neither this frame, the latest one, nor any frame like it gives rows.
+    /// Whether neither this frame, which is the latest, nor any frame like it gives rows.
     fn refuses(&mut self, frame: Understood<'_>, steady: Steady) -> bool;
 
     /// Reports `frames` skipped frames before the next frame; `Break` if no more are wanted.
@@ -194,7 +194,7 @@ impl Happenings {
     }
 
     /// Outputs the transfers that had not ended at the end of the capture; `skipped` is the time of the last frame if
-    /// that was skipped.
+    /// that frame was skipped.
     pub fn finish(
         &self,
         capture: &str,

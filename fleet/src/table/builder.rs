@@ -145,7 +145,7 @@ impl Cell {
 /// The texts of a column in one buffer, each written at its final place.
 struct Texts {
     text: String,
-    /// The offset of the beginning of each text, and of the end of the last one.
+    /// The offset of the beginning of each text, and of the end of the last text.
     offsets: Vec<i32>,
     there: NullBufferBuilder,
 }

@@ -15,7 +15,7 @@ pub trait Rows: Sized + 'static {
     /// tables with rows of frames. For frames with 29-bit CAN-IDs, `can_id` is not the same.
     const ALIKE: &'static [&'static str] = &[];
 
-    /// Whether the columns at these indexes contain the one with this name.
+    /// Whether the columns at these indexes contain the column with this name.
     fn asks(columns: &[usize], name: &str) -> bool {
         columns.iter().filter_map(|&at| Self::COLUMNS.get(at)).any(|column| column.name == name)
     }

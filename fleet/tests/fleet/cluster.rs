@@ -23,7 +23,7 @@ fn program(arguments: &[&str], environment: Environment<'_>) -> Command {
     command
 }
 
-/// A process that is killed when the test ends in any way.
+/// A process that is killed at the end of the test, however the test ends.
 struct Process {
     child: Child,
     lines: Receiver<String>,

@@ -53,7 +53,7 @@ pub fn case(attribute: TokenStream, item: TokenStream) -> Result<TokenStream> {
 /// The rows of the table of allowed answers that a case uses: rows named in its body, and rows that the attribute adds
 /// for the functions that the body calls.
 fn situations(body: TokenStream, mut known: Vec<Ident>) -> Vec<Ident> {
-    // Number of colons seen since `Situation`; the row follows the second one.
+    // Number of colons seen since `Situation`; the row follows the second colon.
     let mut after: Option<usize> = None;
     for token in body {
         match (&token, after) {

@@ -1,5 +1,5 @@
 //! The differences as a report. In JUnit files each regression fails under the name of its case, so that a server shows
-//! since when.
+//! since when the case fails.
 
 use super::{Comparison, Direction, json};
 use crate::document::junit::{Case, Outcome, Problem, Suite};

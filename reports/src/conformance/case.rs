@@ -20,7 +20,7 @@ const BREACHES: usize = 12;
 const REMARKS: usize = 4;
 /// Maximum number of frames on a terminal. More frames explain nothing.
 const FRAMES: usize = 16;
-/// Maximum number of a case's frames in Markdown: the last ones.
+/// Maximum number of frames of a case in Markdown; the last frames are shown.
 const FRAMES_ON_PAPER: usize = 20;
 
 /// The anchor of the case on the page.
@@ -120,7 +120,7 @@ fn seen(Exhibit { record, text }: &Exhibit) -> Row {
     Row::of([time, record.frame.to_string(), record.direction.to_string(), text.clone()])
 }
 
-/// The facts of a breach, or of the reason why the case did not come to its end.
+/// The facts of a breach, or of the reason why the case did not reach its end.
 fn facts(told: &Told) -> Vec<Fact> {
     let mut facts = vec![fact("duty", &told.duty), fact("expected", &told.expected), fact("found", &told.found)];
     facts.extend(told.excuse.iter().map(|excuse| fact(&told.authority().to_lowercase(), &excuse.documented)));

@@ -7,7 +7,7 @@ use std::fmt::Write;
 
 const WIDTH: u64 = 1_000;
 const HEIGHT: u64 = 60;
-/// Minimum number of answers for a picture; fewer can't be compared.
+/// Minimum number of answers for a picture; fewer answers can't be compared.
 const LEAST: usize = 3;
 
 /// An answer and its response time.

@@ -58,8 +58,8 @@ fn own(comparison: &Comparison) -> String {
     }
 }
 
-/// The sentence about objects that act when they are written, whose earlier values are not written again; empty if there
-/// are none.
+/// The sentence about objects that act when they are written, whose earlier values are not written again; empty if
+/// there are none.
 fn acting(comparison: &Comparison) -> String {
     let acting: Vec<&Change> = comparison.acting().collect();
     match acting.len() {

@@ -122,7 +122,7 @@ fn the_terminal_is_not_taken_over() {
 fn the_page_runs_no_foreign_script() {
     let page = rendered(Form::Html);
     assert!(!acts(&page) && !page.contains("<script>alert") && page.contains("&lt;script&gt;alert"));
-    // The page contains the scripts of all pages and of this one. The policy lets no other script run.
+    // The page contains two scripts: the script that all pages share, and its own. The policy lets no other script run.
     assert_eq!(page.matches("<script").count(), 2);
     let policy = page.split_once("script-src ").unwrap().1.split(';').next().unwrap();
     assert!(policy.matches("sha256-").count() == 2 && !policy.contains("unsafe"), "{policy}");

@@ -76,7 +76,7 @@ impl Run {
 pub struct RunReport<W> {
     out: W,
     form: Form,
-    /// Shows a progress line in place of the one before it.
+    /// Shows a progress line in place of the previous line.
     progress: Option<fn(&Printable)>,
     allow: &'static str,
     notices: Vec<String>,

@@ -188,8 +188,8 @@ fn needed(run: &Run, depth: Depth) -> Vec<Block> {
     }
 }
 
-/// The cases. A page has all of them, those that failed or could not be judged first. Other forms have those that did
-/// not simply pass.
+/// The cases. A page has all cases; cases that failed or could not be judged come first. Other forms have only the
+/// cases that did not simply pass.
 fn cases(run: &Run, depth: Depth) -> Vec<Block> {
     let is_told = |report: &CaseReport| match report.verdict.kind() {
         Kind::Pass => report.is_flaky() || depth == Depth::Screen && !report.notes.is_empty(),

@@ -1,4 +1,4 @@
-//! The cases that did not apply, grouped by reason, as many share one.
+//! The cases that did not apply, grouped by reason, as many cases share a reason.
 
 use super::Run;
 use canvass_suite::verdict::{Kind, Lack, Reason};
@@ -38,7 +38,7 @@ impl Skipped {
     }
 }
 
-/// The needed feature and the actual one, unless one names the other already.
+/// The needed and the actual feature; only the actual feature if its text contains the needed one.
 fn sentence(reason: &Reason, allow: &str) -> String {
     let Reason { expected, actual, lack, .. } = reason;
     if *lack == Lack::Permission {

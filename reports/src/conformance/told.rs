@@ -1,4 +1,4 @@
-//! The breaches of a case, and the reason why it did not come to its own end, in the words and data of all reports.
+//! The breaches of a case, and the reason why the case did not reach its end, in the words and data of all reports.
 
 use canvass_suite::runner::CaseReport;
 use canvass_suite::verdict::{Authority, Excuse, Kind, Reason, Ruled};

@@ -79,7 +79,7 @@ pub(crate) fn push_schema(schema: &str, out: &mut Vec<u8>) {
     out.extend_from_slice(b"\",");
 }
 
-/// The JSON name of how the use of a CAN-ID is known.
+/// The JSON name of the source from which the use of a CAN-ID is known.
 pub const fn source_name(source: Source) -> &'static str {
     match source {
         Source::Predefined => "predefined",

@@ -95,7 +95,7 @@ fn frame(exhibit: &Exhibit) -> String {
     exhibit.record.as_ref().map(|record| record.frame.to_string()).unwrap_or_default()
 }
 
-/// The number of occurrences of a finding: ` (12 times, the last at 3.4 s)`. Empty if there was only one.
+/// The number of occurrences of a finding: ` (12 times, the last at 3.4 s)`. Empty for a single occurrence.
 fn times(diagnosed: &Diagnosed<'_>, finding: &Finding) -> String {
     let mut text = String::new();
     if finding.count > 1 {

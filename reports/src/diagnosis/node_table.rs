@@ -94,8 +94,8 @@ pub fn who(node: &NodeStatistics) -> String {
     parts.join(", ")
 }
 
-/// The nodes of each bus that were addressed and never sent a frame. If there are several buses, each has its name
-/// before it: `can1: `.
+/// The nodes of each bus that were addressed and never sent a frame. If there are several buses, the name of the bus
+/// precedes its nodes: `can1: `.
 pub fn silent(diagnosed: &Diagnosed<'_>) -> Vec<(String, Vec<NodeId>)> {
     let buses = &diagnosed.results.buses;
     let several = buses.len() > 1;

@@ -20,7 +20,7 @@ impl Reading {
         Self { diagnosis, collector, order: InOrder::default(), channels: 0 }
     }
 
-    /// A part of a capture could not be read, so that frames may be missing here.
+    /// Handles a part of a capture that could not be read: frames may be missing here.
     ///
     /// # Errors
     /// The errors of [`Reading::record`].

@@ -134,7 +134,7 @@ fn nodes(report: &DiagnosisReport<'_>, depth: Depth) -> Vec<Block> {
     blocks
 }
 
-/// The cases of certification runs. A short text has some of those that have not passed.
+/// The cases of certification runs. A short text has some of the cases that have not passed.
 fn test_runs(report: &DiagnosisReport<'_>, depth: Depth) -> Option<Section> {
     const FAILED: usize = 8;
     let is_short = depth == Depth::Screen && !report.is_verbose;

@@ -10,7 +10,7 @@ pub struct Told<'a> {
     story: &'a Story,
 }
 
-/// All stories. The one with the worst consequences comes first.
+/// All stories. The story with the worst consequences comes first.
 pub fn all<'a>(diagnosed: &'a Diagnosed<'a>) -> impl Iterator<Item = Told<'a>> {
     diagnosed.results.stories.iter().map(move |story| Told { diagnosed, story })
 }

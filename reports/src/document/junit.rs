@@ -163,7 +163,7 @@ pub(crate) fn write(command: &str, suites: &[Suite], out: &mut dyn Write) -> io:
 }
 
 /// Removes the attributes of the root, which Ant's schema does not know. The writer escapes each `>` in attributes, so
-/// that the first one ends the tag.
+/// that the first `>` ends the tag.
 fn without_totals(text: &str) -> String {
     const ROOT: &str = "<testsuites";
     let parts = text.split_once(ROOT).and_then(|(declaration, rest)| Some((declaration, rest.split_once('>')?)));

@@ -1,4 +1,4 @@
-//! Every form contains all of a document, and no text of it does harm.
+//! Every form contains the whole document, and neutralises control characters and markup in its texts.
 
 use super::*;
 

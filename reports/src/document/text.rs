@@ -10,9 +10,9 @@ use std::io::{self, Write};
 
 /// The width in columns for a file, which has no width of its own.
 const PAGE: u16 = 120;
-/// The width of a fact's name in columns, and the text after it, for facts of the document and for facts within a
-/// finding.
+/// For facts of the document: the width of the fact's name in columns, and the text after the name.
 const WIDE: (usize, &str) = (12, " ");
+/// The same for facts within a finding.
 const NARROW: (usize, &str) = (8, "  ");
 
 /// Writes the document.
@@ -48,7 +48,7 @@ pub fn height(blocks: &[Block]) -> usize {
 struct Printer<'a> {
     out: &'a mut dyn Write,
     style: Style,
-    /// Whether there is an empty line above, or nothing.
+    /// Whether the output is empty or ends with an empty line.
     is_apart: bool,
 }
 
@@ -64,7 +64,7 @@ impl Printer<'_> {
         writeln!(self.out, "{:indent$}{text}", "")
     }
 
-    /// Writes an empty line, unless there is one already or nothing above.
+    /// Writes an empty line, unless the output is empty or ends with an empty line.
     fn apart(&mut self) -> io::Result<()> {
         if self.is_apart { Ok(()) } else { self.line(0, "") }
     }

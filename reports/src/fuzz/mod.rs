@@ -63,7 +63,7 @@ pub struct Words {
 }
 
 impl Words {
-    /// The words of decoders. Each decoder begins without context.
+    /// The meanings of the frames of a violation, by decoders that begin without context.
     pub fn of(found: &Found, decoder: &mut dyn FnMut() -> Box<dyn Annotate>) -> Self {
         let mut annotate = decoder();
         let evidence: Vec<String> = found.evidence.iter().map(|record| annotate.annotate(record)).collect();
@@ -167,7 +167,7 @@ fn trouble(run: &Run) -> String {
     interruptions.into_iter().chain(ended_by).collect::<Vec<_>>().join("; ")
 }
 
-/// The device's settings after the run, compared with those before. Empty for a simulated device.
+/// The device's settings after the run, compared with the settings before. Empty for a simulated device.
 fn left(run: &Run) -> String {
     let zero_point = run.zero_point.as_ref().map(ToString::to_string);
     let settings = Some(settings_left(run)).filter(|text| !text.is_empty());
@@ -218,7 +218,7 @@ fn reliability(found: &Found, dead: bool) -> String {
     format!("{text}; neither a reset nor a write had restored the state of power-on: {kept}")
 }
 
-/// The wait after a frame of a sequence, if it is not the usual one.
+/// The wait after a frame of a sequence, if it is not the usual wait.
 fn then(then: Then) -> String {
     match then {
         Then::Settle => String::new(),

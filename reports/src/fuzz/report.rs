@@ -1,5 +1,5 @@
-//! The result of a run as a report. In JUnit files each property that holds is a case, and so is each violated rule of
-//! the others.
+//! The result of a run as a report. In JUnit files each property that holds is a case. Each violated rule of the other
+//! properties is a case, too.
 
 use super::{Run, Words, annotated, json, left, outcome, reliability, rust_test, sdo_rows, trouble};
 use crate::document::junit::{Case, Outcome, Problem, Suite};
@@ -12,7 +12,7 @@ use canvass_fuzzer::{Property, reproducer};
 use canvass_traces::{Direction, Record, Timestamp};
 use std::io::{self, Write};
 
-/// Maximum number of frames that a terminal shows for a violation that comes back: the last ones.
+/// Maximum number of frames that a terminal shows for a violation that comes back; the last frames are shown.
 const FRAMES: usize = 24;
 
 impl Report for Run {

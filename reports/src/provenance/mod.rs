@@ -25,7 +25,7 @@ pub struct Provenance {
     pub host: Option<Host>,
     /// The bus that was used; none if canvass read files.
     pub bus: Option<BusUsed>,
-    /// The identities of the devices as they report it, each with the name of the device: `node 63`.
+    /// The identities of the devices as the devices report them, each with the name of the device: `node 63`.
     pub devices: Vec<(String, DeviceIdentity)>,
     /// The seed of all random choices.
     pub seed: Option<u64>,
@@ -200,7 +200,7 @@ impl Provenance {
     }
 }
 
-/// The options, as many in a line as fit. The first line has the name.
+/// The options in lines, each with as many options as fit. Only the first line has a name.
 fn lines(settings: &[Fact]) -> impl Iterator<Item = Fact> {
     /// Maximum width of a line in columns.
     const WIDTH: usize = 110;

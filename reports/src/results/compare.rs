@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 /// The result of `canvass compare`.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct CompareResult {
-    /// The worst first.
+    /// The changes, the worst first.
     pub changes: Vec<Change>,
     pub provenance: Provenance,
     #[schemars(extend("const" = Self::SCHEMA))]
@@ -23,33 +23,33 @@ pub struct Summary {
     pub worse: usize,
 }
 
-/// One difference. Texts come from the device or a file: they may hold anything.
+/// A change. Its texts come from the device or a file and may contain any characters.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Change {
     pub direction: Direction,
-    /// `verdict`, `timing`, `identity`, `dictionary`, `run`.
+    /// The kind of the change: `verdict`, `timing`, `identity`, `dictionary` or `run`.
     pub kind: Word,
-    /// What it is; `null`: it is gone.
+    /// The new value; `null` if the subject no longer exists.
     pub new: Option<String>,
-    /// What it was; `null`: it was not there.
+    /// The old value; `null` if the subject did not exist before.
     pub old: Option<String>,
     /// Why a case no longer passes.
     pub reason: Option<String>,
-    /// Of a case that got worse: the earlier release in which it was bad last. It had been fixed since.
+    /// For a case that got worse and had been fixed: the latest earlier release in which the case was bad.
     pub returned: Option<String>,
     /// The case, measurement or object.
     pub subject: String,
 }
 
-/// Which way something changed.
+/// The direction of a change.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Serialize, Deserialize, JsonSchema)]
 #[serde(rename_all = "lowercase")]
 pub enum Direction {
-    /// It was better before.
+    /// The new value is worse.
     Worse,
-    /// It is better now.
+    /// The new value is better.
     Better,
-    /// Neither.
+    /// The new value is neither worse nor better.
     Other,
 }
 

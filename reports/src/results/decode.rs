@@ -4,14 +4,14 @@ use super::{Contract, Word};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// A line of `canvass decode`: a frame. It is written by hand, as a capture has millions; a test holds it to this type.
+/// A line of `canvass decode`: a frame. The program writes lines by hand for speed; a test compares them with the type.
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct DecodeLine {
-    /// Only of the first line.
+    /// The name and version of the contract, only in the first line.
     #[serde(skip_serializing_if = "Option::is_none")]
     #[schemars(extend("const" = Self::SCHEMA))]
     pub schema: Option<Word>,
-    /// When the frame was seen.
+    /// The time of the frame.
     pub t: u64,
     pub channel: String,
     /// The CAN-ID.
@@ -26,17 +26,17 @@ pub struct DecodeLine {
     pub fd: Option<bool>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub xl: Option<bool>,
-    /// Of a remote frame, the length that it asks for.
+    /// For a remote frame: the length that it requests.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub dlc: Option<u8>,
-    /// `rx` or `tx`, where the capture says it.
+    /// `rx` or `tx`, if the capture contains the direction.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub direction: Option<Word>,
     pub data: String,
-    /// Sender of its own messages, server of SDOs, node that an NMT command names.
+    /// The node of the frame: its sender, the SDO server, or the node that an NMT command names.
     pub node: Option<u8>,
     pub service: Word,
-    /// How the use of the CAN-ID is known: `predefined`, `description`, `trace`.
+    /// The source of the knowledge about the CAN-ID: `predefined`, `description` or `trace`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub source: Option<Word>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -48,12 +48,12 @@ pub struct DecodeLine {
     pub object: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub violation: Option<Violation>,
-    /// Of a PDO whose layout is known, the mapped objects in order.
+    /// For a PDO whose mapping is known: the mapped objects, in their order.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub signals: Vec<Signal>,
-    /// The frame in words.
+    /// The meaning of the frame in words.
     pub text: String,
-    /// What the capture says beside the frame.
+    /// The comment of the capture on the frame.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub comment: Option<String>,
 }
@@ -73,14 +73,14 @@ pub struct Signal {
     pub name: Option<String>,
     pub index: u16,
     pub sub: u8,
-    /// The number by its type; `null` where the PDO is too short for it, or JSON has no such number.
+    /// The number by its type; `null` if the PDO is too short for the object, or JSON can't express the number.
     pub raw: Option<Number>,
     #[serde(default, with = "said", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<Number>")]
     pub value: Option<Option<Number>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub unit: Option<String>,
-    /// The value by the configuration of the device.
+    /// The value as scaled by the configuration of the device.
     #[serde(default, with = "said", skip_serializing_if = "Option::is_none")]
     #[schemars(with = "Option<Number>")]
     pub scaled: Option<Option<Number>>,
@@ -98,7 +98,7 @@ pub enum Number {
     Real(f64),
 }
 
-/// A member that may be `null`, which is not the same as not being there.
+/// A member that may be absent, `null` or a value: absence and `null` have different meanings.
 mod said {
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
 

@@ -1,10 +1,10 @@
-//! What a device says of itself.
+//! The identity that a device reports.
 
 use canvass_suite::runner::DeviceIdentity;
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 
-/// What a device says of itself; `null` where it was not asked or does not have the object.
+/// The identity that a device reports. A member is `null` if the object was not read or does not exist.
 #[derive(Clone, PartialEq, Eq, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 pub struct Device {

@@ -8,18 +8,18 @@ use std::collections::BTreeMap;
 
 const SCHEMA: &str = "canvass/diagnose/1";
 
-/// Something by the service of the frames.
+/// A value for each service of the frames.
 pub(crate) type ByService<T> = BTreeMap<Word, T>;
 
-/// The result of `canvass diagnose`. Findings and nodes are sequences of any kind: they are made while they are written.
+/// The result of `canvass diagnose`. `Findings` and `Nodes` may be sequences that are made while they are written.
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize, JsonSchema)]
 #[schemars(rename = "DiagnoseResult")]
 pub struct DiagnoseResult<Findings = Vec<Finding>, Nodes = Vec<Node>> {
     pub buses: Vec<Bus>,
-    /// Frames of all buses.
+    /// Number of frames on all buses, by service.
     pub counts: ByService<u64>,
     pub findings: Findings,
-    /// How many findings are not listed, by rule.
+    /// Number of findings that are not listed, by rule.
     pub findings_omitted: BTreeMap<Word, u64>,
     pub frames: u64,
     pub frames_of_unwatched_channels: u64,
@@ -28,21 +28,21 @@ pub struct DiagnoseResult<Findings = Vec<Finding>, Nodes = Vec<Node>> {
     pub quality: QualityResult,
     #[schemars(extend("const" = SCHEMA))]
     pub schema: Word,
-    /// What follows from what.
+    /// The stories: findings that have one cause, and their consequences.
     pub stories: Vec<Story>,
-    /// Findings by severity.
+    /// Number of findings by severity.
     pub summary: BTreeMap<Word, usize>,
 }
 
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Bus {
-    /// In bit/s.
+    /// The bit rate in bit/s.
     pub bit_rate: Option<u32>,
-    /// Whether it was found by the times of frames.
+    /// Whether the bit rate was inferred from the times of frames.
     pub bit_rate_inferred: bool,
     pub bits: u64,
     pub channel: String,
-    /// Frames that another channel has too.
+    /// Number of frames that another channel contains, too.
     pub copies: u64,
     pub counts: ByService<u64>,
     pub first_t: u64,
@@ -52,14 +52,14 @@ pub struct Bus {
     pub load_over_time: LoadOverTime,
     pub load_percent: Option<f64>,
     pub peak: Option<Peak>,
-    /// Frames a second.
+    /// Number of frames per second, by service.
     pub rates: ByService<Option<f64>>,
-    /// The cases that the capture has marks of.
+    /// The cases of a conformance run whose marks are in the capture.
     pub test_run: Vec<TestCase>,
     pub test_run_omitted: u64,
 }
 
-/// The load that frames make.
+/// The bus load that frames cause.
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Load {
     pub bits: u64,
@@ -67,14 +67,14 @@ pub struct Load {
     pub percent: Option<f64>,
 }
 
-/// The fullest tenth of a second.
+/// The tenth of a second with the highest load.
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Peak {
     pub percent: f64,
     pub t: u64,
 }
 
-/// Bits in one span after the other.
+/// Number of bits in consecutive spans of equal length.
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct LoadOverTime {
     pub bits: Vec<u64>,
@@ -85,7 +85,7 @@ pub struct LoadOverTime {
 /// A case of a conformance run.
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct TestCase {
-    /// Of CiA's test tool: its number in the group.
+    /// For a case of CiA's test tool: the number of the case in its group.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub case: Option<u8>,
     pub frames: u64,
@@ -93,16 +93,16 @@ pub struct TestCase {
     pub group: Option<u8>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub id: Option<String>,
-    /// Where it begins in the capture.
+    /// The line or packet at which the case begins.
     pub number: u64,
     pub number_last: u64,
     pub t: u64,
     pub t_last: u64,
-    /// `null` where the case was not ended.
+    /// The verdict; `null` if the end of the case is missing.
     pub verdict: Option<String>,
 }
 
-/// Places among the findings, from 0.
+/// A story. Its findings and consequences are given by their positions in the list of findings, from 0.
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Story {
     pub consequences: Vec<Consequence>,
@@ -118,30 +118,30 @@ pub struct Consequence {
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Finding {
     pub advice: Word,
-    /// The case of a conformance run that was under way.
+    /// The case of a conformance run during which the finding first occurred.
     pub case: Option<CaseName>,
     pub channel: Option<String>,
-    /// How often it was seen.
+    /// Number of occurrences.
     pub count: u64,
-    /// The frames that prove it.
+    /// The frames that prove the finding.
     pub evidence: Vec<Exhibit>,
     pub message: String,
     pub node: Option<u8>,
-    /// `1017h:00`.
+    /// The object, such as `1017h:00`.
     pub object: Option<String>,
-    /// The node that it comes from, where that is another one.
+    /// The node that causes the finding, if it is not the concerned node.
     pub origin: Option<u8>,
     pub rule: Word,
     pub severity: Word,
-    /// The capture that it is about.
+    /// The capture that the finding is about.
     pub source: Option<String>,
-    /// When it was first seen.
+    /// The time of the first occurrence.
     pub t: u64,
     pub t_last: u64,
     pub title: Word,
 }
 
-/// `id`, or `group` and `case` where CiA's test tool marked it.
+/// A case: its `id`, or its `group` and `case` if CiA's test tool has marked it.
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct CaseName {
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -165,9 +165,9 @@ pub struct Exhibit {
     pub extended: Option<bool>,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub id: Option<u32>,
-    /// Line or packet.
+    /// The number of the line or packet.
     pub number: u64,
-    /// In bytes.
+    /// The offset in bytes.
     pub offset: u64,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub remote: Option<bool>,
@@ -193,14 +193,14 @@ pub struct Node {
     pub node: u8,
     pub peak: Option<Peak>,
     pub present: bool,
-    /// Frames a second.
+    /// Number of frames per second, by service.
     pub rates: ByService<Option<f64>>,
     pub sdo: SdoFigures,
     pub states: Vec<StateChange>,
     pub states_omitted: u64,
 }
 
-/// How often an error code was sent.
+/// The EMCY messages with one error code.
 #[derive(Clone, PartialEq, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Emcy {
     pub code: u16,
@@ -214,7 +214,7 @@ pub struct Emcy {
 pub struct ErrorEpisode {
     pub code: u16,
     pub duration_ns: Option<u64>,
-    /// `reported` or `boot-up`.
+    /// How the error ended: `reported` or `boot-up`.
     pub end: Option<Word>,
     pub register: Option<u8>,
     pub t: u64,

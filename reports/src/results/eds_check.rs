@@ -23,37 +23,37 @@ pub struct Summary {
     pub warnings: usize,
 }
 
-/// Places count from 1, columns in characters; they are `null` for what concerns no single line.
+/// A finding. Lines and columns (in characters) count from 1; they are `null` if no single line is concerned.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Finding {
     pub clause: String,
     pub clause_confidence: Word,
     pub column: Option<u32>,
-    /// The first character after it.
+    /// The column of the first character after the place of the finding.
     pub end_column: Option<u32>,
     pub end_line: Option<u32>,
     pub expected: String,
-    /// Field, or attribute of an XDD; empty where there is none.
+    /// The field, or the attribute of an XDD; empty if the finding has none.
     pub field: String,
     pub file: String,
-    /// What fixes it without guessing; `null` if it can't be fixed so.
+    /// The change that fixes the finding without guessing; `null` if there is none.
     pub fix: Option<Fix>,
     pub found: String,
     pub line: Option<u32>,
     pub message: String,
     /// The rule that is broken (`canvass list eds-rules`).
     pub rule: Word,
-    /// Section, or element of an XDD; empty where there is none.
+    /// The section, or the element of an XDD; empty if the finding has none.
     pub section: String,
     /// `error`, `warning` or `hint`.
     pub severity: Word,
-    /// The reason that the file gives for leaving it so.
+    /// The reason with which the file waives the finding.
     pub waived: Option<String>,
 }
 
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Fix {
-    /// None for a change of the character set.
+    /// The changes of the text; empty for a change of the character set.
     pub edits: Vec<Edit>,
     pub title: String,
 }

@@ -6,12 +6,12 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// The result of `canvass fuzz`. On the simulated bus two runs of one seed give the same bytes.
+/// The result of `canvass fuzz`. On the simulated bus two runs with the same seed give the same bytes.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct FuzzResult {
-    /// What `--allow` named.
+    /// The words of `--allow`.
     pub allow: Vec<Word>,
-    /// In bit/s.
+    /// The bit rate in bit/s.
     pub bit_rate: Option<u32>,
     /// The bus as the user addressed it.
     pub bus: String,
@@ -22,34 +22,34 @@ pub struct FuzzResult {
     pub dead: bool,
     /// Why the run ended early: the bus did not come back, or failed in another way.
     pub ended_by: Option<String>,
-    /// Exchanges: frames that were sent and after which the answer, or the silence, was judged; those of shrinking included.
+    /// Number of frames after which the answer, or the silence, was judged, including those of shortening.
     pub executions: u64,
-    /// Frames that were sent: with those after which anything may come.
+    /// Number of frames sent, including frames after which the standard leaves everything open.
     pub frames: u64,
-    /// `null` where the bus was not interrupted.
+    /// The interruptions of the bus; `null` if there were none.
     pub interruptions: Option<Interruptions>,
-    /// `null` on the simulated bus and where the device does not answer any more.
+    /// The settings after the run; `null` on the simulated bus, and if the device does not answer any more.
     pub left: Option<SettingsLeft>,
     /// The model or description of the device.
     pub model: Option<String>,
     pub node: u8,
     pub provenance: Provenance,
-    /// The command that does the same again.
+    /// The command that repeats the run.
     pub repeat: String,
     #[schemars(extend("const" = Self::SCHEMA))]
     pub schema: Word,
     pub seed: u64,
-    /// Sequences that were tried.
+    /// Number of sequences that were run.
     pub sequences: u64,
     /// The services: `all`, or names with commas between them.
     pub target: String,
-    /// Sequences that say nothing: frames were lost on this machine, or the bus was interrupted.
+    /// Number of sequences without a result, because frames were lost here or the bus was interrupted.
     pub unjudged: u64,
     /// The version of canvass: with the seed it makes the run repeatable.
     pub version: Word,
-    /// Each once.
+    /// The violations, each once.
     pub violations: Vec<Violation>,
-    /// The zero point of a device on a bus that goes on, where it is not where it was before the run; else `null`.
+    /// The zero point of a live device, if it has moved during the run; otherwise `null`.
     pub zero_point: Option<MovedZeroPoint>,
 }
 
@@ -77,36 +77,36 @@ pub struct LssPair {
 
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct SdoPair {
-    /// How often which class of answer came: `none`, `abort`, `data`, `confirmation`, `block`.
+    /// Number of answers by class: `none`, `abort`, `data`, `confirmation` or `block`.
     pub answers: BTreeMap<Word, u64>,
     pub command: Word,
     pub state: Word,
 }
 
-/// How the way to the bus was interrupted.
+/// The interruptions of the connection to the bus.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Interruptions {
     pub count: u64,
-    /// All of them together.
+    /// The duration of all interruptions together.
     pub duration_ns: u64,
-    /// What the last one was.
+    /// The last interruption in words.
     pub last: Option<String>,
-    /// Whether the way is there again.
+    /// Whether the connection is back.
     pub over: bool,
 }
 
-/// What the settings of a device on a bus hold at the end.
+/// The settings of a live device after the run.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct SettingsLeft {
-    /// The number of those that were read before the run and after it.
+    /// Number of settings that were read before and after the run.
     pub compared: usize,
-    /// Those that hold another value and do not move by themselves.
+    /// The settings that have another value and do not change by themselves.
     pub different: Vec<Kept>,
-    /// The number of those that were read before the run.
+    /// Number of settings that were read before the run.
     pub settings: usize,
 }
 
-/// An object that has not its value of power-on.
+/// An object that does not have its power-on value.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Kept {
     pub index: u16,
@@ -118,27 +118,27 @@ pub struct Kept {
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Violation {
     pub actual: String,
-    /// Whether it came again when the sequence was repeated from power-on.
+    /// Whether the violation came again when the sequence was repeated from power-on.
     pub confirmed: bool,
-    /// Whether the bus was lost before it could be repeated.
+    /// Whether the bus was lost before the sequence could be repeated.
     #[serde(default)]
     pub cut_off: bool,
-    /// All frames of the sequence on the bus; of a violation that did not come back, those of the one time.
+    /// All frames on the bus during the sequence; if the violation did not come back, those of its only occurrence.
     pub evidence: Vec<SeenFrame>,
     pub expected: String,
-    /// The shortest sequence that shows it.
+    /// The shortest sequence found that shows the violation.
     pub frames: Vec<SentFrame>,
-    /// The sequence as candump log.
+    /// The sequence as a candump log.
     pub log: String,
-    /// `PROP-02`.
+    /// The violated property, such as `PROP-02`.
     pub property: Word,
-    /// What of the property.
+    /// The violated rule of the property.
     pub rule: Word,
-    /// `configured` or `without-node-id`.
+    /// The state at the beginning of the sequence: `configured` or `without-node-id`.
     pub start: Word,
-    /// The objects that neither a reset nor a write had brought back when it was seen.
+    /// Objects without their power-on values when the violation was seen: no reset and no write had restored them.
     pub state: Vec<Kept>,
-    /// On the clock of the bus.
+    /// The time on the clock of the bus.
     pub t: u64,
     /// The violation as a Rust test.
     pub test: String,
@@ -148,7 +148,7 @@ pub struct Violation {
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct SentFrame {
     pub data: String,
-    /// Of a remote frame.
+    /// For a remote frame: the requested length.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub dlc: Option<usize>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -157,7 +157,7 @@ pub struct SentFrame {
     #[serde(skip_serializing_if = "Option::is_none")]
     pub remote: Option<bool>,
     pub text: String,
-    /// `settle` (the device gets the time that it needs), `at-once`, or `pause` with `wait_ns`.
+    /// The wait after the frame: `settle` (as long as the device needs), `at-once`, or `pause` with `wait_ns`.
     pub then: Word,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub wait_ns: Option<u64>,
@@ -168,7 +168,7 @@ pub struct SeenFrame {
     pub data: String,
     /// `rx` or `tx`.
     pub direction: Word,
-    /// Of a remote frame.
+    /// For a remote frame: the requested length.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub dlc: Option<usize>,
     #[serde(skip_serializing_if = "Option::is_none")]

@@ -5,13 +5,13 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// The result of `canvass history`. Bad is *fail*, *error* or *inconclusive*.
+/// The result of `canvass history`. A case is bad if its verdict is *fail*, *error* or *inconclusive*.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct HistoryResult {
-    /// By rising id.
+    /// The cases, by rising id.
     pub cases: Vec<Case>,
     pub provenance: Provenance,
-    /// In the order in which they were given.
+    /// The releases, in the order in which they were given.
     pub releases: Vec<Release>,
     #[schemars(extend("const" = Self::SCHEMA))]
     pub schema: Word,
@@ -20,45 +20,45 @@ pub struct HistoryResult {
 /// A release.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Release {
-    /// Whether a run of it did not come to its end.
+    /// Whether a run of the release did not reach its end.
     pub cancelled: bool,
     pub name: String,
-    /// The number of its results.
+    /// Number of results of the release.
     pub samples: usize,
-    /// What its devices call their software, each once.
+    /// The software versions that the devices report, each once.
     pub software: Vec<String>,
 }
 
-/// A case over the releases, which stand here by their names.
+/// The verdicts of a case over the releases, which are given by their names.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Case {
-    /// Those in which it became bad: bad, and good or not there in the one before.
+    /// The releases in which the case became bad: it is bad there, and was good or missing in the release before.
     pub became_bad: Vec<String>,
     pub became_good: Vec<String>,
     pub first_bad: Option<String>,
-    /// Whether it did not always end the same way in a release.
+    /// Whether the case ended differently in samples of one release.
     pub flaky: bool,
-    /// The release from which on it did not run any more.
+    /// The release from which on the case did not run any more.
     pub gone_in: Option<String>,
     pub id: String,
-    /// The release in which it first ran, if that is not the first one.
+    /// The release in which the case first ran, if that is not the first release.
     pub new_in: Option<String>,
-    /// One for each release.
+    /// The case in each release.
     pub releases: Vec<Cell>,
-    /// Of `became_bad` those in which it had been bad before, and fixed.
+    /// The releases among `became_bad` in which the case was bad again after it had been fixed.
     pub returned: Vec<String>,
 }
 
 /// A case in a release.
 #[derive(Clone, PartialEq, Eq, Debug, Default, Serialize, Deserialize, JsonSchema)]
 pub struct Cell {
-    /// The longest of its durations.
+    /// The longest duration of the case in the samples.
     pub duration_ns: Option<u64>,
-    /// Whether it did not always end the same way.
+    /// Whether the case ended differently in the samples.
     pub flaky: bool,
-    /// The longest of each of its measured times, by name.
+    /// The longest of each measured time of the case, by name.
     pub times_ns: BTreeMap<String, u64>,
-    /// The worst of its samples; `null` where it did not run.
+    /// The worst verdict of the samples; `null` if the case did not run.
     pub verdict: Option<Verdict>,
 }
 

@@ -1,8 +1,9 @@
-//! What the commands print as JSON: one type for each result, from which it is written and read, and from which its JSON
-//! Schema in `docs/schemas` is made.
+//! The types of the commands' JSON results. Each type serves to write and to read a result, and its JSON Schema in
+//! `docs/schemas` is made from it.
 //!
-//! Contract: numbers are numbers, times are integer nanoseconds. Members may be added, with a default where results are
-//! read; none changes its meaning within a version of the schema.
+//! Contract: all numbers are JSON numbers, and times are integer nanoseconds. Within a version of the schema members
+//! may be added, and no member changes its meaning. An older result, which lacks an added member, is read with a
+//! default.
 
 pub mod compare;
 pub mod decode;
@@ -37,36 +38,37 @@ use serde::{Deserialize, Serialize};
 use std::borrow::Cow;
 use std::io::{self, Write};
 
-/// A name that canvass gives: not allocated where it is written.
+/// A name that canvass itself gives, which needs no allocation when a result is written.
 pub type Word = Cow<'static, str>;
 
-/// A document whose first member says what it is.
+/// A document that names its contract in the member `schema`.
 pub trait Contract: Serialize {
-    /// Name and version: `canvass/test/1`.
+    /// The name and version of the contract: `canvass/test/1`.
     const SCHEMA: &'static str;
-    /// The command that prints it.
+    /// The command that prints the document.
     const COMMAND: &'static str;
 }
 
-/// What is no such result.
+/// Why a text is no such result.
 #[derive(Debug, thiserror::Error)]
 pub enum NotAResult {
-    /// No JSON, or not with the members of the result.
+    /// The text is no JSON, or lacks members of the result.
     #[error("expected a result of `{command} --format json`: {error}")]
     Unreadable {
         command: &'static str,
         #[source]
         error: serde_json::Error,
     },
-    /// Another document, or a later version, which may mean something else.
+    /// The document has another contract, or a later version, whose members may have other meanings.
     #[error("expected a document of schema {expected}, found {found}")]
     Schema { expected: &'static str, found: String },
 }
 
-/// Reads a result. Its schema is looked at first: the members of others would only be said to be wrong.
+/// Reads a result. The schema is checked first, so that the error for another document names its schema and not a
+/// missing member.
 ///
 /// # Errors
-/// [`NotAResult`].
+/// [`NotAResult`] if the text is no such result.
 pub fn read<T: Contract + DeserializeOwned>(text: &str) -> Result<T, NotAResult> {
     #[derive(Deserialize)]
     struct Named {
@@ -83,7 +85,7 @@ pub fn read<T: Contract + DeserializeOwned>(text: &str) -> Result<T, NotAResult>
 /// Writes a result, indented, with a line end.
 ///
 /// # Errors
-/// What `out` gives.
+/// The errors of `out`.
 pub fn write(result: &impl Contract, out: &mut dyn Write) -> io::Result<()> {
     serde_json::to_writer_pretty(JsonText(&mut *out), result)?;
     out.write_all(b"\n")

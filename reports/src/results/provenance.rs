@@ -1,27 +1,27 @@
-//! The member `provenance` of all results: what a reader needs to know to believe one, and to repeat it.
+//! The member `provenance` of all results: the facts that a reader needs to trust a result and to repeat the run.
 
 use super::{Device, Word};
 use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// Where a result comes from.
+/// The provenance of a result.
 #[derive(Clone, PartialEq, Eq, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 pub struct Provenance {
-    /// `null` where files were read.
+    /// The bus that was used; `null` if canvass read files.
     pub bus: Option<Bus>,
-    /// As RFC 3339 writes it; `null` of a simulated run to which no date was given.
+    /// The date in the notation of RFC 3339; `null` for a simulated run without a given date.
     pub date: Option<String>,
     pub devices: Vec<NamedDevice>,
     pub files: Vec<File>,
-    /// `null` where only a simulated bus was needed.
+    /// The computer on which canvass ran; `null` if only a simulated bus was used.
     pub host: Option<Host>,
-    /// What `--note` added, by its key.
+    /// The notes that `--note` added, by their keys.
     pub notes: BTreeMap<String, String>,
-    /// All options that have to do with the result.
+    /// All options that affect the result.
     pub options: Vec<Choice>,
-    /// The seed of everything that was left to chance.
+    /// The seed of all random choices.
     pub seed: Option<u64>,
     /// The version of canvass.
     pub version: Word,
@@ -31,17 +31,17 @@ pub struct Provenance {
 
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Bus {
-    /// What connects this computer to the bus.
+    /// The adapter that connects this computer to the bus.
     pub adapter: String,
-    /// As the user addressed it.
+    /// The address of the bus, as the user gave it.
     pub address: String,
-    /// In bit/s.
+    /// The bit rate in bit/s.
     pub bit_rate: Option<u32>,
 }
 
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct NamedDevice {
-    /// `node 63`; of a comparison `old device` and `new device`.
+    /// The name of the device: `node 63`, or in a comparison `old device` and `new device`.
     pub device: String,
     #[serde(flatten)]
     pub identity: Device,
@@ -50,12 +50,12 @@ pub struct NamedDevice {
 /// A file that the result depends on, or that belongs to it.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct File {
-    /// Its length; `null` of what can't be read twice.
+    /// The length in bytes; `null` if the file can be read only once.
     pub bytes: Option<u64>,
     pub path: String,
-    /// `description`, `waivers`, `recording`, `capture`.
+    /// The role of the file: `description`, `waivers`, `recording` or `capture`.
     pub role: Word,
-    /// In hexadecimal; `null` of what can't be read twice.
+    /// The SHA-256 in hexadecimal; `null` if the file can be read only once.
     pub sha256: Option<String>,
 }
 
@@ -68,9 +68,9 @@ pub struct Host {
 
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Choice {
-    /// Who chose the value: `default`, `command-line`, `environment`, `settings`.
+    /// The source of the value: `default`, `command-line`, `environment` or `settings`.
     pub by: Word,
-    /// The value where none is given.
+    /// The default value.
     pub default: Vec<String>,
     /// The name of the option on the command line, without the leading hyphens.
     pub name: String,

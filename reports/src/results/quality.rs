@@ -1,4 +1,4 @@
-//! What captures hold and lack: `--quality json`.
+//! The quality of captures: the output of `--quality json`.
 
 use super::{Contract, Word};
 use schemars::JsonSchema;
@@ -10,9 +10,9 @@ use std::collections::BTreeMap;
 pub struct QualityResult {
     #[schemars(extend("const" = Self::SCHEMA))]
     pub schema: Word,
-    /// Each capture.
+    /// The captures, each with its quality.
     pub sources: Vec<Source>,
-    /// All captures together.
+    /// The quality of all captures together.
     pub total: Quality,
 }
 
@@ -21,7 +21,7 @@ pub struct QualityResult {
 pub struct Source {
     pub format: Word,
     pub name: String,
-    /// What times count from: `utc`, `local`, `start` or `none`.
+    /// The origin of the times: `utc`, `local`, `start` or `none`.
     pub time_base: Word,
     #[serde(flatten)]
     pub quality: Quality,
@@ -31,17 +31,17 @@ pub struct Source {
 pub struct Quality {
     pub channels: Vec<Channel>,
     pub clock_steps_back: Steps,
-    /// Damages by kind.
+    /// Number of damages by kind.
     pub damages: BTreeMap<Word, u64>,
     pub duration_ns: u64,
     pub first_t: Option<u64>,
     pub frames: u64,
     pub gaps: Gaps,
-    /// Frames by kind.
+    /// Number of frames by kind.
     pub kinds: BTreeMap<Word, u64>,
     pub last_t: Option<u64>,
     pub resolution_ns: Option<u64>,
-    /// What to be careful with.
+    /// The warnings about the capture.
     pub warnings: Vec<String>,
 }
 
@@ -68,16 +68,16 @@ pub struct Gaps {
 pub struct Gap {
     pub end: Place,
     pub length_ns: u64,
-    /// The longest that was usual.
+    /// The usual interval before the gap.
     pub usual_ns: u64,
 }
 
 /// A place in a capture.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Place {
-    /// Line or packet.
+    /// The number of the line or packet.
     pub number: u64,
-    /// In bytes.
+    /// The offset in bytes.
     pub offset: u64,
     pub t: u64,
 }

@@ -25,7 +25,7 @@ pub fn schemas() -> Vec<(&'static str, Schema)> {
     ]
 }
 
-/// `test-1.json`, of the contract `canvass/test/1`.
+/// The file name of a contract's schema: `test-1.json` for `canvass/test/1`.
 pub fn file_name(contract: &str) -> String {
     format!("{}.json", contract.trim_start_matches("canvass/").replace('/', "-"))
 }

@@ -5,7 +5,7 @@ use schemars::JsonSchema;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// The result of `canvass selftest`: which case failed on which fault.
+/// The result of `canvass selftest`: the cases that failed on each fault.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct SelftestResult {
     /// Liberties taken together.
@@ -38,10 +38,10 @@ pub struct Summary {
     pub detected: usize,
     pub false_alarms: usize,
     pub faults: usize,
-    /// Firmwares that the fuzzer tried, with liberties alone and combined.
+    /// Number of firmwares that the fuzzer tried, with liberties alone and combined.
     pub fuzzed: usize,
     pub fuzzed_exchanges: u64,
-    /// Of `fuzzed` those without a violation.
+    /// Number of firmwares among `fuzzed` on which the fuzzer found no violation.
     pub fuzzed_spared: usize,
     pub liberties: usize,
     pub masked: usize,
@@ -61,7 +61,7 @@ pub struct FaultRow {
     /// Cases that name the fault and did not fail.
     pub missed: Vec<MissedCase>,
     pub model: Word,
-    /// Cases that failed without being about it.
+    /// Cases that failed although they do not name the fault.
     pub unrelated: Vec<Word>,
 }
 
@@ -120,7 +120,7 @@ pub struct FuzzedLiberties {
 pub struct FuzzedViolation {
     pub actual: String,
     pub expected: String,
-    /// The sequence as candump log.
+    /// The sequence as a candump log.
     pub log: String,
     pub property: Word,
     pub rule: Word,
@@ -131,7 +131,7 @@ impl Contract for SelftestResult {
     const COMMAND: &'static str = "canvass selftest";
 }
 
-/// The result of `canvass selftest --fuzz`: how fast the fuzzer finds which fault.
+/// The result of `canvass selftest --fuzz`: how fast the fuzzer finds each fault.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct FuzzSelftestResult {
     pub faults: Vec<FuzzedFault>,
@@ -150,16 +150,16 @@ pub struct FuzzSummary {
 
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct FuzzedFault {
-    /// What the fuzzer was allowed for it.
+    /// The touch that was allowed so that the fuzzer finds the fault.
     pub allow: Option<Word>,
     pub fault: Word,
-    /// Whether it was found with every seed, in time.
+    /// Whether every seed found the fault in time.
     pub good: bool,
     pub model: Word,
     pub trials: Vec<Trial>,
 }
 
-/// Members are `null` where nothing was found.
+/// A trial with one seed. Members are `null` if no violation was found.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Trial {
     /// Whether the same sequence shows nothing without the fault.
@@ -191,7 +191,7 @@ pub struct NullRow {
     /// Number of cases by verdict.
     pub counts: BTreeMap<Word, usize>,
     pub device: Word,
-    /// The cases that failed, or could not be judged, on a device that is right.
+    /// The cases that failed or could not be judged on a correct device.
     pub false_alarms: Vec<FalseAlarm>,
     /// The cases that pass, each with the reason why that is right.
     pub reviewed: Vec<ReviewedPass>,
@@ -215,7 +215,7 @@ impl Contract for NullSelftestResult {
 /// The result of `canvass selftest --wire`: which wrong fields of messages the cases find.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct WireSelftestResult {
-    /// Mutants whose first fail names another service.
+    /// Mutants whose first failed case belongs to another service.
     pub misnamed: Vec<WireSurvivor>,
     pub primitives: Vec<WirePrimitive>,
     #[schemars(extend("const" = Self::SCHEMA))]
@@ -229,16 +229,16 @@ pub struct WireSelftestResult {
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct WireCounts {
-    /// Mutants that changed a frame.
+    /// Number of mutants that changed a frame.
     pub changed: usize,
-    /// Mutants that failed a case.
+    /// Number of mutants on which a case failed.
     pub found: usize,
-    /// Mutants that failed no case, and made some inconclusive.
+    /// Number of mutants on which no case failed, but some cases were inconclusive.
     pub inconclusive: usize,
     pub made: usize,
-    /// Mutants whose first fail names their service.
+    /// Number of mutants whose first failed case belongs to their own service.
     pub named: usize,
-    /// Mutants that failed no case, as the standard leaves open what they do.
+    /// Number of mutants on which no case has to fail, as the standard leaves the change open.
     pub open: usize,
 }
 

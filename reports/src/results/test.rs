@@ -15,7 +15,7 @@ pub struct TestResult {
     /// The bus as the user addressed it.
     #[serde(default)]
     pub bus: String,
-    /// In bit/s.
+    /// The bit rate in bit/s.
     pub bit_rate: Option<u32>,
     #[serde(default)]
     pub node: u8,
@@ -29,7 +29,7 @@ pub struct TestResult {
     pub cancelled: bool,
     #[serde(default)]
     pub duration_ns: u64,
-    /// How often the device was told to write its non-volatile memory.
+    /// Number of times that the device was told to write its non-volatile memory.
     #[serde(default)]
     pub stores: u32,
     /// Sentences about the run as a whole.
@@ -40,7 +40,7 @@ pub struct TestResult {
     /// The objects before the first case.
     #[serde(default)]
     pub dictionary: Vec<ObjectRead>,
-    /// `null` where no case has run.
+    /// The object dictionary before and after the run; `null` if no case has run.
     pub comparison: Option<Compared>,
     /// The number of cases by verdict.
     #[serde(default)]
@@ -48,13 +48,13 @@ pub struct TestResult {
     /// What is wrong with the device: failed cases in which it did the same in the same situation show one defect.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub defects: Vec<Defect>,
-    /// Only of a live bus, so that runs on the simulated one stay the same to the byte.
+    /// The timing of the tester's machine; only on a live bus, so that simulated runs give the same bytes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub host: Option<HostTiming>,
-    /// Only where others used the device.
+    /// The messages of other clients; only if others used the device.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub other_clients: Vec<OtherClient>,
-    /// In the order in which they ran.
+    /// The cases, in the order in which they ran.
     pub cases: Vec<Case>,
 }
 
@@ -67,7 +67,7 @@ pub struct Defect {
     pub cases: Vec<Word>,
 }
 
-/// How well the tester's own machine kept up: each time is at most twice what was measured.
+/// The timing of the tester's own machine. Each time is an upper bound: at most twice the measured time.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct HostTiming {
     /// 99 % of the frames reached the tester within this time after their time on the bus.
@@ -76,19 +76,19 @@ pub struct HostTiming {
     /// 99 % of the tester's frames were on the bus within this time.
     pub transmit_p99_ns: u64,
     pub transmit_max_ns: u64,
-    /// Frames that the machine lost.
+    /// Number of frames that the machine lost.
     pub lost: u64,
-    /// How often the bus was interrupted.
+    /// Number of interruptions of the bus.
     pub interruptions: u64,
-    /// All interruptions together.
+    /// The duration of all interruptions together.
     #[serde(default)]
     pub interrupted_ns: u64,
-    /// What is wrong with the time stamps of the adapter; only where they can't be trusted.
+    /// The fault of the adapter's time stamps; only if they can't be trusted.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub time_stamps: Option<Word>,
 }
 
-/// What others sent to the device or for it.
+/// Messages that other clients sent to the device or in its name.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct OtherClient {
     pub kind: Word,
@@ -107,29 +107,29 @@ pub struct ObjectRead {
 #[derive(Clone, PartialEq, Eq, Debug, Default, Serialize, Deserialize, JsonSchema)]
 #[serde(default)]
 pub struct Compared {
-    /// Whether the device is known to be as it was.
+    /// Whether the device is known to be as it was before the run.
     pub as_found: bool,
     /// Whether the device answered after the run.
     pub complete: bool,
-    /// The number of objects that could be read.
+    /// Number of objects that could be read.
     pub objects: usize,
     pub changes: Vec<ObjectChange>,
-    /// What puts the settings back, in their order.
+    /// The commands that restore the settings, in their order.
     pub commands: Vec<String>,
-    /// Settings that a start brings with another value than before.
+    /// Settings that the next start loads with another value than before the run.
     pub stored: Vec<ObjectChange>,
     pub zero_points: Vec<MovedZeroPoint>,
-    /// What the device does otherwise than before after a start: errors, state, PDOs.
+    /// Differences in the behaviour of the device after a start: errors, state, PDOs.
     pub behaviour: Vec<String>,
 }
 
-/// A position whose zero point is not where it was.
+/// A position whose zero point has moved.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct MovedZeroPoint {
     pub steps: i64,
     /// Whether the shaft may have been turned instead.
     pub uncertain: bool,
-    /// Whether the next start brings it.
+    /// Whether the moved zero point is stored, so that the next start loads it.
     pub stored: bool,
     pub text: String,
 }
@@ -140,9 +140,9 @@ pub struct ObjectChange {
     pub sub: u8,
     pub name: Option<String>,
     pub r#type: Option<Word>,
-    /// `setting`, `constant`, `own` of what the device sets itself, or `acting` of an object that acts when it is written.
+    /// The nature of the object: `setting`, `constant`, `own` (the device sets it) or `acting` (a write acts).
     pub nature: Word,
-    /// `null` where it can't be read.
+    /// The value before the run; `null` if it can't be read.
     pub before: Option<String>,
     pub after: Option<String>,
 }
@@ -160,15 +160,15 @@ pub struct Case {
     pub level: Word,
     /// The case of CiA's test tool.
     pub cct: Option<Word>,
-    /// `pass` or `fail`: what CiA's tool would say.
+    /// The result that CiA's test tool would give: `pass` or `fail`.
     pub cct_forecast: Option<Word>,
     pub verdict: Verdict,
     pub reason: Option<Reason>,
     #[serde(default)]
     pub breaches: Vec<Breach>,
-    /// What the device's manual or a waiver says.
+    /// The statement of the device's manual or of a waiver.
     pub documented: Option<String>,
-    /// Where the waiver begins.
+    /// The line at which the waiver begins.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub waiver_line: Option<usize>,
     /// The verdict of each repetition.
@@ -177,20 +177,20 @@ pub struct Case {
     /// Whether the repetitions differ.
     #[serde(default)]
     pub flaky: bool,
-    /// Only where the failure does not count yet.
+    /// The quarantine of the case; only if its failure does not count yet.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub quarantine: Option<Quarantine>,
     #[serde(default)]
     pub measurements: Vec<Measurement>,
-    /// Objects that served the case where others could have.
+    /// Objects that the case used, where others would also have served.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub uses: Vec<Use>,
     #[serde(default)]
     pub notes: Vec<String>,
-    /// Only where others used the device meanwhile.
+    /// The messages of other clients during the case; only if others used the device.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub other_clients: Vec<OtherClient>,
-    /// Only where the run was recorded: the first and the last frame of the case in the recording.
+    /// The first and the last frame of the case in the recording; only if the run was recorded.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub recorded: Option<[u64; 2]>,
     #[serde(default)]
@@ -204,12 +204,12 @@ pub struct Case {
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Measurement {
     pub name: String,
-    /// `ns` or `count`.
+    /// The unit of the value: `ns` or `count`.
     pub unit: Word,
     pub value: u64,
 }
 
-/// Why a failure does not count yet.
+/// The quarantine of a case, whose failure does not count yet.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Quarantine {
     pub until: String,
@@ -218,7 +218,7 @@ pub struct Quarantine {
     pub reason: String,
 }
 
-/// An object that served a case.
+/// An object that a case used.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Use {
     pub index: u16,
@@ -235,9 +235,9 @@ pub struct Reason {
 
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Breach {
-    /// What a waiver calls `object`.
+    /// The subject of the breach, as a waiver names it in `object`.
     pub subject: String,
-    /// What a waiver calls `does`.
+    /// The actual answer, as a waiver names it in `does`.
     pub observation: String,
     pub verdict: Verdict,
     pub duty: String,
@@ -245,7 +245,7 @@ pub struct Breach {
     pub actual: String,
     #[serde(skip_serializing_if = "Option::is_none")]
     pub t: Option<u64>,
-    /// Only where it is excused.
+    /// The statement that excuses the breach; only if there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub documented: Option<String>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -254,7 +254,7 @@ pub struct Breach {
 
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Frame {
-    /// Counted from 1, only where the run was recorded.
+    /// The number of the frame in the recording, from 1; only if the run was recorded.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub number: Option<u64>,
     pub t: u64,
@@ -278,7 +278,7 @@ impl Contract for TestResult {
 }
 
 impl TestResult {
-    /// The cases that failed, or about which nothing is known.
+    /// The cases that failed or could not be judged.
     pub fn failed(&self) -> impl Iterator<Item = &str> {
         self.verdicts().filter(|(_, kind)| kind.badness() >= Kind::Inconclusive.badness()).map(|(id, _)| id)
     }
@@ -288,12 +288,12 @@ impl TestResult {
         self.cases.iter().map(|case| (&*case.id, case.verdict.0))
     }
 
-    /// What the user noted of the run by that name.
+    /// The user's note with this name.
     pub fn note(&self, name: &str) -> Option<&str> {
         self.provenance.notes.get(name).map(String::as_str)
     }
 
-    /// What the device said of itself.
+    /// The identity that the device reports.
     pub fn identity(&self) -> DeviceIdentity {
         (&self.device).into()
     }

@@ -6,7 +6,7 @@ use schemars::{JsonSchema, Schema, SchemaGenerator, json_schema};
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 use std::borrow::Cow;
 
-/// How a case ended.
+/// The verdict of a case.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Verdict(pub Kind);
 

@@ -19,7 +19,7 @@ use std::io;
 
 /// Writes rows of values.
 pub trait Sheet {
-    /// Takes the next row. `row.changed` contains the new values since the row before.
+    /// Takes the next row. `row.changed` contains the values that are new since the previous row.
     ///
     /// # Errors
     /// An error if a waiting row can't be stored.

@@ -1,4 +1,4 @@
-//! The device to fuzz: a simulated one, made anew for each sequence, or one on a live bus.
+//! The device to fuzz: a simulated device, made anew for each sequence, or a device on a live bus.
 
 use crate::devices::describe;
 use crate::live::{CLIENT, limited, open_bus_of, open_device_bus};

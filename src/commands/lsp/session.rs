@@ -64,7 +64,8 @@ impl Session {
     pub fn serve(&mut self, connection: &Connection, editor: &mut impl Write) -> Result<()> {
         while let Ok(message) = connection.receiver.recv() {
             let mut next = Some(message);
-            // While more messages wait, findings would be outdated at once; so they are published after the last one.
+            // While more messages wait, findings would be outdated at once; so they are published after the last
+            // message.
             while let Some(message) = next {
                 if self.take(connection, message, editor)? {
                     return Ok(());
@@ -105,7 +106,7 @@ impl Session {
         Ok(())
     }
 
-    /// Applies opened, changed and closed files; returns the closed ones.
+    /// Applies notifications of opened, changed and closed files; returns the closed files.
     fn follow(&mut self, said: Notification) -> Vec<Uri> {
         match said.method.as_str() {
             DidOpenTextDocument::METHOD => {

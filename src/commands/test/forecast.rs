@@ -1,7 +1,7 @@
 //! `--dry-run`: which cases would run, and for how long.
 //!
-//! The dry run refuses whatever the run would refuse. It does not touch a live bus: there a simulated device stands
-//! in, of the same model or made from the description. A simulated bus is used as in the run.
+//! The dry run refuses whatever the run would refuse. It does not touch a live bus: a simulated device of the same
+//! model, or made from the description, takes the place of the device. A simulated bus is used as in the run.
 
 use super::{Args, named};
 use crate::commands::test::reports::ReportFormat;

@@ -112,7 +112,8 @@ impl Recorder {
         }
     }
 
-    /// The capture needs a frame before the marker, whose time the marker gets.
+    /// Adds a marker frame of CiA's test tool. The marker gets the time of the frame before it, so that none is added
+    /// before the first frame.
     fn cct_marker(&self, case: &'static Case, verdict: Option<Verdict>) {
         if self.cct_markers && self.frames.load(Ordering::Relaxed) > 0 {
             let (group, number) = place_of(case);
@@ -189,7 +190,7 @@ const fn marked(kind: Kind) -> Verdict {
     }
 }
 
-/// The number of the family, and of the case in it, both from 1 and at most 255.
+/// The number of the family, and the number of the case in the family; both from 1 and at most 255.
 fn place_of(case: &Case) -> (u8, u8) {
     let (mut group, mut number, mut family) = (0_u8, 0_u8, "");
     for known in catalogue::cases() {

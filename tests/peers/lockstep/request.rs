@@ -40,6 +40,7 @@ pub struct Wanted {
     pub power_cycle: bool,
     /// Presses Ctrl-C at this frame, counted from 1.
     pub interrupt: Option<u64>,
-    /// The numbers of frames, counted from 1. At each the device's state is saved as `kill N`, as if the run ended there.
+    /// The numbers of frames, counted from 1, at which the device's state is saved as `kill N`, as if the run ended
+    /// there.
     pub kill: Vec<u64>,
 }

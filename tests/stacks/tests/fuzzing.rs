@@ -78,8 +78,8 @@ fn fuzz(peer: Peer, target: Target, sequences: u64) -> Outcome {
     campaign::run(&mut stand, knowledge, &plan, &mut |progress| progress.sequences < sequences).unwrap()
 }
 
-/// Requires that all violations are of these properties and rules, and that most of these are found: the draws of the
-/// generator decide which ones a run of this length finds.
+/// Requires that each violation has one of these properties and rules, and that most of them are found. Which of them a
+/// run of this length finds depends on the random choices of the generator.
 fn expect(found: &[Found], expected: &[(Property, &'static str)]) {
     let broken: BTreeSet<_> = found.iter().map(|found| (found.violation.property, found.violation.rule)).collect();
     let mut wrong = String::new();
@@ -97,7 +97,7 @@ fn expect(found: &[Found], expected: &[(Property, &'static str)]) {
     assert!(found.iter().all(|found| found.confirmed), "on the simulated bus everything comes again");
 }
 
-/// Fuzzes each service separately, so that a violation of one does not hide those of another.
+/// Fuzzes each service separately, so that a violation of one service does not hide violations of another.
 fn judge(peer: fn() -> Peer, sequences: u64, expected: &[(Property, &'static str)], panics: &[&str]) {
     let (mut found, mut deaths) = (Vec::new(), BTreeSet::new());
     for target in [Target::Sdo, Target::Lss, Target::Nmt, Target::Pdo, Target::SyncEmcy] {

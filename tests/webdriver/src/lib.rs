@@ -2,8 +2,8 @@
 //! browser has answered, and panic with the command and the unexpected answer.
 //!
 //! `fantoccini` speaks the protocol. This crate adds the start of chromedriver, the options of the browser, the
-//! commands that only Chromium has, and the check that a page was quiet. All but addresses is behind the feature
-//! `client`.
+//! commands that only Chromium has, and the check that a page was quiet. Everything except addresses is behind the
+//! feature `client`.
 
 // The callers are tests, or tools that can't go on without the browser.
 #![cfg_attr(feature = "client", expect(clippy::expect_used, clippy::panic))]

@@ -25,7 +25,7 @@ pub struct Described {
 }
 
 impl Described {
-    /// Reads a description. Without `nodes` it is for the node that it names itself, or for all nodes.
+    /// Reads a description. Without `nodes` the description is for the node that it names itself, or for all nodes.
     ///
     /// # Errors
     /// A text, if the description can't be used.

@@ -14,7 +14,7 @@ use canvass_reports::provenance::Provenance;
 use canvass_traces::{ChannelId, OpenError, Record};
 use std::io;
 
-/// The options that the table names. They are those of the program, so that both tables have the same bytes.
+/// The options that the table names. They are the options of the program, so that both tables have the same bytes.
 const ADVICE: Advice = Advice {
     findings: ": --verbose shows all, and the page (--format html)",
     rows: ": --verbose shows all",
@@ -125,8 +125,8 @@ impl Opening {
     }
 }
 
-/// Requests the needed memory at once. Memory of a page grows in steps of 64 KiB, each of which costs as much as a
-/// large one. The memory is not touched, so that the page uses no more than is written.
+/// Requests the needed memory at once. Memory of a page grows in steps of 64 KiB, each of which takes as long as one
+/// large step. The memory is not touched, so that the page uses no more than is written.
 fn make_room(bytes: u64) {
     let mut room: Vec<u8> = Vec::new();
     // If the memory is not available at once, it is allocated step by step as far as possible.
@@ -171,7 +171,7 @@ impl Opened {
         Ok(out)
     }
 
-    /// Sets the hashes of the captures, which another worker has computed; `None` for an unreadable one.
+    /// Sets the hashes of the captures, which another worker has computed; `None` for an unreadable capture.
     pub fn hashed(&mut self, hashes: &[Option<String>]) {
         let captures = self.provenance.files.iter_mut().filter(|file| file.role == "capture");
         for ((used, (file, _)), hash) in captures.zip(self.input.files()).zip(hashes) {

@@ -108,7 +108,7 @@ impl Plots {
     }
 
     /// Times and values of a column between two times, alternating. Each of `parts` equal spans has at most its least
-    /// and its greatest value. The value before the first time and the one after the last are included, so that lines
+    /// and its greatest value. The last value before the range and the first value after it are included, so that lines
     /// continue at both ends.
     pub fn points(&self, column: usize, from: f64, to: f64, parts: usize) -> Vec<f64> {
         let Some(Series(points)) = self.series.all.get(column) else { return Vec::new() };

@@ -1,4 +1,4 @@
-//! Pages of results of `canvass test`: a comparison of two, a history of many.
+//! Pages of results of `canvass test`: a comparison of two results, or a history of many.
 
 use crate::provenance::{Surroundings, used};
 use canvass_reports::comparison::{Missing, compare};

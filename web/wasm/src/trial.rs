@@ -274,7 +274,7 @@ pub fn fuzz(wish: &Wish, surroundings: &Surroundings) -> Result<Tried, String> {
     Ok(Tried { html, json })
 }
 
-/// The identity of the device. It is read from another instance of the device, as the fuzzed ones are in arbitrary
+/// The identity of the device. It is read from another instance of the device, as the fuzzed instances are in arbitrary
 /// states.
 fn identity_of(wish: &Wish, node: NodeId) -> Result<DeviceIdentity, String> {
     const BOOT: Duration = Duration::from_secs(5);

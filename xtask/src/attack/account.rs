@@ -18,7 +18,7 @@ use std::collections::BTreeMap;
 pub struct Accounted {
     /// Number of counted rows.
     pub rows: u64,
-    /// Number of rows that the change made another known kind, which need no report.
+    /// Number of rows that the change has made rows of another known kind, which need no report.
     pub became_others: u64,
     /// Missing frames without a report.
     pub silent_loss: Option<String>,
@@ -38,7 +38,7 @@ pub fn account(
     let _ = std::fs::remove_file(&out);
     let args = ["convert", path, &out, "--force", "--to", "candump", "--quality=json", "--quality-out", &quality];
     let run = program.run(&args.map(str::to_owned));
-    // A capture that can't be opened has reported that.
+    // The program has already reported a capture that it can't open.
     let Ok(text) = std::fs::read_to_string(&quality) else {
         let silent = run.status == Some(0) || run.stderr.is_empty();
         return Ok(Accounted {

@@ -7,9 +7,9 @@ use super::seeds::{Seed, Seeds};
 /// One change.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Mutation {
-    /// Bytes are replaced by random ones.
+    /// Bytes are replaced by random bytes.
     Bytes,
-    /// A field of a row, or a number of a binary file, is replaced by a difficult one.
+    /// A field of a row, or a number of a binary file, is replaced by a value that is difficult for readers.
     Field,
     /// A row, or a piece of a binary file, is doubled.
     Duplicated,

@@ -17,7 +17,8 @@ const COMMANDS: [&str; 5] = [
     "monitor BUS --for 3s --format json",
 ];
 
-/// Time limit besides these three seconds: for opening the adapter, a device that does not boot, and restoring.
+/// Time limit in addition to the three seconds of `--for`: for opening the adapter, for a device that does not boot,
+/// and for restoring.
 const MOST: Duration = Duration::from_secs(20);
 
 /// Runs every command on every adapter; most of the time is waiting.
@@ -50,7 +51,7 @@ fn one(program: &Program, rogue: Rogue, command: &str, out: &str, tally: &Mutex<
         }
     }
     anyhow::ensure!(run.took < MOST, "took {:.1} s", run.took.as_secs_f64());
-    // An adapter that seems to refuse is not opened.
+    // If the adapter seems to refuse the commands, `record` does not open it and ends with status 3.
     if command.starts_with("record") && run.status != Some(3) {
         let told = run.stderr.lines().find_map(|line| line.strip_prefix("canvass: ")?.split_once(" frames recorded"));
         let told: usize =

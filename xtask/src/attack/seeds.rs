@@ -143,7 +143,7 @@ impl Seeds {
         Ok(Self(seeds))
     }
 
-    /// A random seed; in half of the cases one with countable rows.
+    /// A random seed; in half of the cases a seed with countable rows.
     pub fn any(&self, chance: &mut Chance) -> &Seed {
         let counted: Vec<&Seed> = self.0.iter().filter(|seed| seed.is_frame.is_some()).collect();
         let picked = if chance.below(2) == 0 { chance.of(&counted).copied() } else { chance.of(&self.0) };

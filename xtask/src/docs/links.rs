@@ -50,7 +50,7 @@ fn is_elsewhere(link: &str) -> bool {
     scheme.contains(':') || link.starts_with("//")
 }
 
-/// The fault of a link of that page, if it has one.
+/// The fault of a link on the page `from`, if it has one.
 fn fault(folder: &Path, pages: &BTreeMap<PathBuf, Page>, from: &Path, link: &str) -> Option<String> {
     let (file, name) = link.split_once('#').unwrap_or((link, ""));
     let to = if file.is_empty() { from.to_owned() } else { resolved(from, file) };
@@ -76,8 +76,8 @@ fn resolved(from: &Path, file: &str) -> PathBuf {
     path
 }
 
-/// Collects the anchors and links of a page. Text has no `<`, so each begins a tag; scripts, which may have one, are
-/// left out.
+/// Collects the anchors and links of a page. Text contains no `<`, so that each `<` begins a tag; scripts, which may
+/// contain `<`, are left out.
 fn read(html: &str) -> Page {
     let mut page = Page::default();
     let mut rest = html;

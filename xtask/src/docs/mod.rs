@@ -47,7 +47,7 @@ pub fn book(program: &Path) -> Result<()> {
     Ok(())
 }
 
-/// Without optimisation: the book takes a second all the same, and compilation takes longer.
+/// Installs mdBook without optimisation: an optimised build takes longer, and the book takes a second in either case.
 fn install() -> Result<()> {
     let installed = Command::new(MDBOOK).arg("--version").output().ok();
     if installed.is_some_and(|output| String::from_utf8_lossy(&output.stdout).trim().ends_with(VERSION)) {

@@ -19,9 +19,9 @@ pub enum Transport {
 /// The process that gets no processor while there is other work.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Starved {
-    /// The tester; the device precedes the other work, if this user may set that.
+    /// The tester is starved. The device gets a processor before the other work, if this user may set its priority.
     Tester,
-    /// The device.
+    /// The device is starved.
     Device,
 }
 
@@ -38,7 +38,7 @@ pub struct Options {
     pub select: Option<String>,
     /// The bus.
     pub transport: Transport,
-    /// The process that comes after the other work; the other process precedes it, or is equal.
+    /// The process that gets a processor only after the other work.
     pub starved: Starved,
     /// Whether this process was started in a machine of its own, with the built program.
     pub in_machine: bool,
@@ -90,7 +90,7 @@ impl Options {
         Ok(options)
     }
 
-    /// The arguments for the same in a machine, with another number of runs.
+    /// The arguments for the same repetition in a machine, with another number of runs.
     pub fn words(&self, runs: u32) -> Vec<String> {
         let mut words = vec![IN_MACHINE.to_owned(), "--bus".to_owned(), "vcan".to_owned()];
         let mut add = |name: &str, value: String| words.extend([name.to_owned(), value]);

@@ -103,7 +103,7 @@ impl Interface {
 
 impl Drop for Interface {
     fn drop(&mut self) {
-        // The interface is no longer needed, and a remaining one does no harm.
+        // The interface is no longer needed, and a remaining interface does no harm.
         let _ = ip(&["del", &self.0]);
     }
 }
@@ -115,8 +115,8 @@ fn ip(words: &[&str]) -> Result<()> {
     Ok(())
 }
 
-/// Runs the device before other work, if this user may set that: it should be as prompt as a real one, so that only
-/// the tester is late.
+/// Runs the device before other work, if this user may set the priority: the device should be as prompt as a real
+/// device, so that only the tester is late.
 fn prompt(program: &str) -> Command {
     let may = Command::new("chrt").args(["--fifo", "10", "true"]).stderr(Stdio::null()).status();
     if !may.is_ok_and(|status| status.success()) {

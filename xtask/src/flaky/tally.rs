@@ -1,4 +1,4 @@
-//! Counts verdicts, and changed ones among them.
+//! Counts verdicts, and the changed verdicts among them.
 
 use anyhow::{Context, Result};
 use serde_json::Value;
@@ -39,15 +39,16 @@ impl Run {
 
 /// The expected verdicts.
 pub struct Verdicts {
-    /// The right verdicts of each case: two where an idle machine can't decide over the transport what the simulated bus shows.
+    /// The right verdicts of each case. A case has two if an idle machine can't decide over the transport what the
+    /// simulated bus shows.
     verdicts: BTreeMap<String, Vec<String>>,
     /// Number of cases whose verdict differs between transport and simulated bus, on an idle machine.
     transport: usize,
 }
 
 impl Verdicts {
-    /// The verdicts of the simulated bus; for cases that can't be decided over the transport, also the verdict of an idle
-    /// machine. If the idle machine was late, the verdict of the simulated bus holds alone.
+    /// The verdicts of the simulated bus; for cases that can't be decided over the transport, also the verdict of an
+    /// idle machine. If the idle machine was late, the verdict of the simulated bus holds alone.
     ///
     /// # Errors
     /// If the two runs have different cases.

@@ -1,5 +1,5 @@
-//! `cargo xtask bench --fleet`: the speed of queries on captures and lakes, beside the program, DuckDB and python-can
-//! with pandas.
+//! `cargo xtask bench --fleet`: the speed of queries on captures and lakes, compared with the program, DuckDB and
+//! python-can with pandas.
 
 use super::cluster::{Cluster, asked};
 use super::readers::{PYTHON, VENV};
@@ -50,7 +50,7 @@ for table in ('messages', 'signals', 'events'):
     duckdb.sql(f\"CREATE VIEW {table} AS SELECT * FROM read_parquet('{sys.argv[1]}/{table}/*/*.parquet', hive_partitioning=true)\")
 duckdb.sql(sys.argv[2]).fetchall()";
 
-/// The usual way today: read the frames into a data frame, and query that.
+/// The usual way today: read the frames into a data frame, and query the data frame.
 const PANDAS: &str = "import sys, can, pandas
 frames = pandas.DataFrame([(m.timestamp, m.arbitration_id, bytes(m.data)) for m in can.CanutilsLogReader(sys.argv[1])],
     columns=['t', 'id', 'data'])
@@ -89,7 +89,7 @@ fn sql(statement: &str, more: &[&str]) -> Result<f64> {
     Ok(best(&words, None)?.cpu)
 }
 
-/// Frames per second and core, beside the program.
+/// Frames per second and core, compared with the program.
 fn scanning() -> Result<()> {
     let million = f64::from(FRAMES) / 1e6;
     let decode = million / best(&[&release("canvass"), "decode", "--format", "text", &one()], None)?.cpu;
@@ -123,7 +123,7 @@ fn pushing() -> Result<()> {
     Ok(())
 }
 
-/// Beside DuckDB on the same Parquet files, and pandas on the captures.
+/// Queries on a lake, compared with DuckDB on the same Parquet files and with pandas on the captures.
 fn lake() -> Result<()> {
     let lake = format!("{FOLDER}/lake");
     drop(fs::remove_dir_all(&lake));

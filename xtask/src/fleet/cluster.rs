@@ -30,7 +30,7 @@ impl Cluster {
         Ok(cluster)
     }
 
-    /// Starts a process, and returns the line with these words, which it prints when it is ready.
+    /// Starts a process, and returns the line that contains `ready`, which the process prints when it is ready.
     fn process(&mut self, fleet: &str, words: &[&str], ready: &str) -> Result<String> {
         let mut child = Command::new(fleet)
             .args(words)
@@ -42,7 +42,7 @@ impl Cluster {
         self.processes.push(child);
         let mut lines = BufReader::new(told).lines().map_while(Result::ok);
         let line = lines.by_ref().find(|line| line.contains(ready));
-        // The rest of its output is read, too, so that the process never blocks.
+        // The rest of the output is read, too, so that the process never blocks.
         std::thread::spawn(move || lines.for_each(drop));
         line.with_context(|| format!("{fleet} {} ended before it was ready", words.join(" ")))
     }

@@ -1,4 +1,4 @@
-//! Numbers the mutants, and draws those to try.
+//! Numbers the mutants, and draws the mutants to try.
 
 use super::area::Area;
 use super::point::Form;

@@ -8,7 +8,8 @@ use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// Limit of processor time in seconds for the suite, or the fuzzer, on a mutant: many times the time on a right device.
+/// Limit of processor time in seconds for the suite, or the fuzzer, on a mutant: many times the time on the device
+/// without a mutant.
 const CPU: u64 = 6;
 /// Limit of memory in KiB: a mutant that fills its memory ends.
 const MEMORY: u64 = 2_000_000;
@@ -27,11 +28,11 @@ pub enum Outcome {
     Found(String),
     /// No case failed, but a case that records what the standard leaves open recorded a difference.
     Recorded(String),
-    /// The traffic differed from the right device, and nothing was found.
+    /// The traffic differed from the traffic of the device without a mutant, and the tool found nothing.
     Survived,
     /// The traffic did not differ.
     Unseen,
-    /// The device did not end.
+    /// The run did not end.
     Hung,
 }
 

@@ -40,7 +40,7 @@ struct Wishes {
     seeds: Vec<u64>,
     count: usize,
     exchanges: u64,
-    /// The numbers of these mutants, which replace the random ones.
+    /// The numbers of these mutants, which replace the random mutants.
     only: Vec<u32>,
     /// The crate whose own tests look for its mutants.
     tests: Option<&'static Area>,
@@ -51,7 +51,7 @@ struct Wishes {
 /// Draws mutants, runs the tools on them and prints the results.
 ///
 /// # Errors
-/// If the program can't be built, or a tool finds something on a right device.
+/// If the program can't be built, or a tool finds something on the device without a mutant.
 pub fn mutants(args: &[String]) -> Result<()> {
     let wishes = Wishes::read(args)?;
     if let Some(area) = wishes.tests {
@@ -60,7 +60,7 @@ pub fn mutants(args: &[String]) -> Result<()> {
     let area = &area::DEVICE;
     let reviewed = Reviewed::read(area)?;
     let mut sources = scratch::read(area)?;
-    // Rows without code are reported at once, not after minutes of building.
+    // Rows of the list whose code no longer exists are reported at once, not after minutes of building.
     ensure_current(&reviewed, &drawn::all(&sources))?;
     let begun = Instant::now();
     scratch::prepare(area, &mut sources)?;
@@ -99,9 +99,11 @@ fn ensure_current(reviewed: &Reviewed, all: &[Mutant]) -> Result<()> {
 
 /// The list of mutants at places that neither suite nor fuzzer reaches.
 const UNREACHED: &str = "target/mutants/unreached.txt";
-/// The lists of mutants that changed no frame, and of survivors, these as rows for the list of equivalent mutants.
+/// The list of mutants that changed no frame.
 const UNSEEN: &str = "target/mutants/unseen.txt";
+/// The list of mutants that survived, as rows for the list of equivalent mutants.
 const SURVIVORS: &str = "target/mutants/survivors.toml";
+/// The list of mutants that were found.
 const FOUND: &str = "target/mutants/found.txt";
 
 /// Writes the lists of mutants that were not found.

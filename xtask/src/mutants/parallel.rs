@@ -3,7 +3,7 @@
 use anyhow::{Result, bail};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-/// Does `work` on each of `items`, and prints the progress after every `told` of them. The results are in the order of
+/// Calls `work` for each of `items`, and prints the progress after every `told` items. The results are in the order of
 /// `items`.
 pub fn each<T: Sync, R: Send>(items: &[T], told: usize, work: impl Fn(&T) -> Result<R> + Sync) -> Result<Vec<R>> {
     let next = AtomicUsize::new(0);

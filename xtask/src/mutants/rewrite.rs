@@ -23,7 +23,7 @@ pub fn rewrite(source: &str, found: &Findings, first: u32) -> Rewritten {
         next += point.variants.len() as u32;
     }
     let mut order: Vec<usize> = (0..found.points.len()).collect();
-    // Outer points come before inner ones; of points with the same range, the one found first is the outer one.
+    // Outer points come before inner points; of points with the same range, the point found first is the outer point.
     order.sort_by_key(|&at| (found.points[at].range.start, std::cmp::Reverse(found.points[at].range.end), at));
     let mut writer = Writer { source, found, numbers, text: String::new(), places: vec![0..0; found.points.len()] };
     writer.write(0..source.len(), &order);

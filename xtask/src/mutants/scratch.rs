@@ -1,4 +1,4 @@
-//! The mutated workspace: links to the crates, and a rewritten copy of the mutated one.
+//! The mutated workspace: links to the crates, and a rewritten copy of the mutated crate.
 
 use super::area::{self, Area};
 use super::constants::called_in_constants;
@@ -70,7 +70,7 @@ pub fn prepare(area: &Area, sources: &mut [Source]) -> Result<()> {
     bail!("the mutated crate does not compile after {ROUNDS} rounds")
 }
 
-/// Creates links to all crates, and a copy of the mutated one.
+/// Creates links to all crates, and a copy of the mutated crate.
 fn lay_out(area: &Area) -> Result<()> {
     let root = std::env::current_dir()?;
     let scratch = area.scratch();

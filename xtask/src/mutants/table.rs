@@ -55,8 +55,8 @@ impl Line {
         self.suite + self.fuzzer - self.both
     }
 
-    /// The percentages of mutants that the suite finds, and that either tool finds, among those that show on the bus
-    /// and are not equivalent.
+    /// The percentages of mutants that the suite finds, and that either tool finds, among the mutants that show on the
+    /// bus and are not equivalent.
     pub fn shares(&self) -> (f64, f64) {
         let all = (self.found() + self.survived).max(1) as f64;
         (100.0 * self.suite as f64 / all, 100.0 * self.found() as f64 / all)

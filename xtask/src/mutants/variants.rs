@@ -44,7 +44,7 @@ pub fn of_operator(operator: &BinOp, left: &str, right: &str) -> Vec<Variant> {
     variants
 }
 
-/// The literal plus one, minus one, and 0; the other truth value.
+/// The replacements of a literal: the number plus one, minus one, and 0, or the other truth value.
 pub fn of_literal(literal: &Lit) -> Vec<Variant> {
     match literal {
         Lit::Int(number) => {

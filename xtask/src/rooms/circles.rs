@@ -11,7 +11,7 @@ pub fn of(read: &Crate) -> Vec<String> {
     let mut levels: BTreeMap<ModulePath, Level<'_>> = BTreeMap::new();
     for (user, used) in read.uses() {
         let common = user.iter().zip(&used).take_while(|(a, b)| a == b).count();
-        // A module may use those above and below it.
+        // A module may use the modules above and below it.
         if let (Some(from), Some(to)) = (user.get(common), used.get(common)) {
             let level = levels.entry(user[..common].to_vec()).or_default();
             level.entry(from.clone()).or_default().entry(to.clone()).or_insert((user, used.clone()));
@@ -20,7 +20,7 @@ pub fn of(read: &Crate) -> Vec<String> {
     levels.iter().flat_map(|(folder, level)| circles(read, folder, level)).collect()
 }
 
-/// The circles of one level, each once: the shortest way from its first name back.
+/// The circles of one level, each circle once: the shortest way from its first name back to this name.
 fn circles(read: &Crate, folder: &[String], level: &Level<'_>) -> Vec<String> {
     let mut known: BTreeSet<BTreeSet<&str>> = BTreeSet::new();
     let mut found = Vec::new();

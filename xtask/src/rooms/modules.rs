@@ -35,7 +35,7 @@ impl Crate {
         Ok(read)
     }
 
-    /// Removes the files whose module, or one around it, is declared for tests only.
+    /// Removes the files whose module, or a module around it, is declared for tests only.
     fn leave_out_tests(&mut self) {
         let declared = |(module, imports): (&ModulePath, &Imports)| -> Vec<ModulePath> {
             imports.tests.iter().map(|name| [module.as_slice(), std::slice::from_ref(name)].concat()).collect()

@@ -1,7 +1,7 @@
 //! Words that no file of the core may contain: the names of device profiles and of manufacturers.
 //!
 //! Code of a profile is in the folder `profiles` of a crate, peculiarities of a manufacturer are in the data of its
-//! models. Comments count too. Tests do not: they may use any device as an example.
+//! models. Comments count, too. Tests do not count: they may use any device as an example.
 
 use anyhow::{Context, Result};
 use std::collections::BTreeSet;

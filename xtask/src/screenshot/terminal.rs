@@ -100,7 +100,8 @@ fn colour(number: usize) -> Option<String> {
     PALETTE.get(number).map(|&colour| colour.to_owned())
 }
 
-/// A colour of 256, or of red, green and blue, and the remaining numbers.
+/// The colour in the numbers of an SGR sequence, by its index among 256 or by red, green and blue, and the remaining
+/// numbers.
 fn of_many(numbers: &[usize]) -> (Option<String>, &[usize]) {
     match numbers {
         [2, red, green, blue, rest @ ..] => (Some(format!("rgb({red},{green},{blue})")), rest),

@@ -1,5 +1,5 @@
 //! Pictures of each view of the page with the decoder as WebAssembly: on a desktop screen in light colours, on a phone
-//! in dark ones.
+//! in dark colours.
 
 use super::machine::machine;
 use super::{FOLDER, ensure_small, releases};

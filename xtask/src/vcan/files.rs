@@ -1,5 +1,6 @@
-//! The files in the memory of the machine. It has no disk and no access to this machine's: waiting for a disk takes a
-//! different time in each run, while everything else in the machine follows a clock that counts instructions.
+//! The files in the memory of the emulated machine. The machine has no disk and no access to the disk of this computer:
+//! waiting for a disk takes a different time in each run, while everything else in the machine follows a clock that
+//! counts instructions.
 
 use super::kernel::Kernel;
 use super::{FOLDER, Job};

@@ -153,7 +153,7 @@ fn listen(machine: usize, id: u32, output: impl BufRead, alive: Sender<()>) -> R
 
 /// The seconds of processor time that a process has taken so far.
 fn cpu_time(id: u32) -> f64 {
-    /// The fields of user and system time, counted from the field after the name.
+    /// The fields of `/proc/ID/stat` for user and system time, counted from the field after the name.
     const FIELDS: [usize; 2] = [11, 12];
     /// `USER_HZ`, the same on all of Linux.
     const TICKS: f64 = 100.0;

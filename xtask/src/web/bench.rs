@@ -1,5 +1,5 @@
-//! `cargo xtask web-bench`: measures the times of the page, beside the program, and the memory of its tab. Nothing is
-//! asserted: times depend on other work of the machine.
+//! `cargo xtask web-bench`: measures the times of the page, compared with the program, and the memory of its tab.
+//! Nothing is asserted: times depend on other work of the machine.
 
 use super::browser::{Browser, Opened, Screen};
 use crate::bench::{capture, make};

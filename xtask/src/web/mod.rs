@@ -84,7 +84,7 @@ pub fn file() -> Result<std::path::PathBuf> {
     Ok(std::fs::canonicalize(format!("{FOLDER}/canvass.html"))?)
 }
 
-/// Makes and tests the page: the same bytes as the program's for every sample, and no request in Chromium.
+/// Makes and tests the page: the same bytes as the program for every sample, and no request in Chromium.
 ///
 /// # Errors
 /// If the page can't be made, or a test fails.
@@ -94,7 +94,7 @@ pub fn test() -> Result<()> {
     tried(|| run("cargo", &["test", "--locked", "--features", "page", "--test", "page"]))
 }
 
-/// Makes and tests the page beside the program that is already built.
+/// Makes the page, and tests it against the program that is already built.
 fn tried(in_browser: impl FnOnce() -> Result<()>) -> Result<()> {
     build()?;
     run("node", &["--test", "web/page/tests/equal.test.mjs"])?;
@@ -146,8 +146,9 @@ fn missing() -> Vec<String> {
     missing
 }
 
-/// The file that npm writes after an installation, and the file from which it installs.
+/// The file that npm writes after an installation.
 const INSTALLED: &str = "node_modules/.package-lock.json";
+/// The file from which npm installs.
 const LOCKED: &str = "package-lock.json";
 
 /// Installs the packages of the lock file, unless they are installed.

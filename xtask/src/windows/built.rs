@@ -7,7 +7,7 @@ use anyhow::Result;
 /// The program, which is built with its tests.
 pub const PROGRAM: &str = "target/x86_64-pc-windows-gnu/debug/canvass.exe";
 
-/// The test programs to run: those of the program, and those of the buses, which use the system directly.
+/// The test programs to run: the tests of the program, and the tests of the buses, which use the system directly.
 const TESTS: [&str; 11] = [
     "--package",
     "canvass",

@@ -14,7 +14,8 @@ use std::time::{Duration, Instant};
 
 /// The arguments of a run that does not end by itself within the time limit.
 const RUN: [&str; 6] = ["test", "sim:reference-301", "--exhaustive", "--repeat", "1000", "--report"];
-/// The text that the console shows after the first passed case: a run without any verdict has another exit status.
+/// The text that the console shows after the first passed case. Ctrl-C comes after this text, as a run without any
+/// verdict has another exit status.
 const RUNNING: &str = "301/cob-id/";
 /// Time limit on a busy machine until the console shows this text.
 const BEGIN: Duration = Duration::from_secs(180);

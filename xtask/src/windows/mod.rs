@@ -1,4 +1,5 @@
-//! `cargo xtask windows`: the program for Windows, built without a warning, and its tests as programs of Windows, by Wine.
+//! `cargo xtask windows`: the program for Windows, built without a warning, and its tests as programs of Windows, by
+//! Wine.
 
 mod built;
 mod ctrl_c;

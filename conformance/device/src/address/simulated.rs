@@ -10,7 +10,7 @@
 //! description (`.eds`, `.dcf`, `.xdd`, `.xdc`) follows. The bit rate of the first device is that of the bus; another
 //! device with a different bit rate does not understand the frames on the bus. `NODE` is 1 to 127, or 255 for a device
 //! that waits for LSS to assign its node-ID. Without `NODE`, a device has the node-ID of its model or, if an earlier
-//! device has that node-ID, the next free one.
+//! device has that node-ID, the next free node-ID.
 
 use super::parse_bit_rate;
 use crate::models::{self, Model};
@@ -125,7 +125,7 @@ fn name<'a>(text: &'a str, piece: &str) -> Option<(DeviceName, &'a str)> {
     if Fault::from_str(piece.split("~~").next().unwrap_or(piece)).is_ok() {
         return None;
     }
-    // A path may contain separators: it ends at the first extension that is followed by one.
+    // A path may contain separators: it ends at the first extension that a separator follows.
     let lower = text.to_ascii_lowercase();
     let ends = DESCRIPTIONS.iter().flat_map(|ending| lower.match_indices(ending).map(|(at, _)| at + ending.len()));
     let end = ends
@@ -218,7 +218,7 @@ fn unreadable(path: &str, reason: &str) -> BusError {
     BusError::Address { address: path.to_owned(), reason: reason.to_owned() }
 }
 
-/// The node-IDs of the devices: each has the given node-ID, else the model's, else the next free one.
+/// The node-IDs of the devices: the given node-ID, else the model's or, if that is taken, the next free node-ID.
 pub(super) fn assign(devices: &[(&SimulatedDevice, &'static Model)]) -> Vec<Option<NodeId>> {
     let mut taken: Vec<NodeId> = devices.iter().filter_map(|(device, _)| device.given_id()).collect();
     let assign = |(device, model): &(&SimulatedDevice, &'static Model)| match device.node {
@@ -235,7 +235,7 @@ pub(super) fn assign(devices: &[(&SimulatedDevice, &'static Model)]) -> Vec<Opti
     devices.iter().map(assign).collect()
 }
 
-/// Models of files live as long as the program, like the built-in ones; each content is kept once.
+/// Models of files live as long as the program, like the built-in models; each content is kept once.
 static DESCRIBED: LazyLock<Mutex<Described>> = LazyLock::new(Mutex::default);
 
 /// Models by path and content.

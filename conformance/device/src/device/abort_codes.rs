@@ -37,7 +37,7 @@ impl Firmware {
         if self.has(Fault::SdoReadOnlyWrongCode) { AbortCode::DEVICE_STATE } else { AbortCode::READ_ONLY }
     }
 
-    /// The code by the firmware's liberties, which is as correct as the given one.
+    /// The code that the firmware's liberties choose in place of `code`; both codes are correct.
     const fn free_code(&self, code: AbortCode) -> AbortCode {
         match code {
             AbortCode::LENGTH_TOO_HIGH | AbortCode::LENGTH_TOO_LOW if self.takes(Liberty::LengthCodeGeneral) => {

@@ -1,4 +1,5 @@
-//! The seam for device profiles: what the application of a device adds to the services that every device has.
+//! The interface to device profiles: the behaviour that the application of a device adds to the services that every
+//! device has.
 //!
 //! A profile registers itself; the services ask the application of their device and name no profile.
 
@@ -55,7 +56,7 @@ pub trait Application: fmt::Debug + Send {
         None
     }
 
-    /// Checks a write beyond the limits of the device description.
+    /// Checks a written value by rules in addition to the limits in the device description.
     ///
     /// # Errors
     /// The abort code for a value that is inconsistent with others.
@@ -68,7 +69,7 @@ pub trait Application: fmt::Debug + Send {
         false
     }
 
-    /// Handles the effects of a write besides the new value.
+    /// Handles the effects of a write other than the new value of the object.
     fn on_written(&mut self, _: Timestamp, _: Multiplexer, _value: u64, _: &Surroundings<'_>) {}
 
     /// Whether writing the object makes the firmware hang.
@@ -81,8 +82,8 @@ pub trait Application: fmt::Debug + Send {
         &[]
     }
 
-    /// Whether a faulty firmware fails to copy the object to the objects linked with it: with a value, when that value
-    /// is written; with `None`, when parameters are loaded or read.
+    /// Whether a faulty firmware does not copy the value of the object to the objects linked with it. `Some`: when this
+    /// value is written; `None`: when parameters are loaded or read.
     fn breaks_link(&self, _: Multiplexer, _value: Option<u64>) -> bool {
         false
     }
@@ -173,7 +174,7 @@ pub(super) fn of(model: &Model, motion: &Motion, firmware: &Firmware) -> Option<
     PROFILES.iter().find_map(|profile| profile.application(model, motion, firmware))
 }
 
-/// Changes the object dictionary according to the firmware's faults in objects of profiles.
+/// Changes the object dictionary according to the firmware's faults in the objects of profiles.
 pub(super) fn plant(parameters: &mut Parameters, firmware: &Firmware) {
     PROFILES.iter().for_each(|profile| profile.plant(parameters, firmware));
 }

@@ -57,7 +57,7 @@ impl Device {
         }
     }
 
-    /// Uses the stored bit rate, else the default one, at power-on and reset node.
+    /// Uses the stored bit rate, else the default bit rate, at power-on and reset node.
     pub(super) fn take_stored_bit_rate(&mut self) {
         let Context { objects, store, .. } = &self.context;
         let sheet = objects.model.sheet();

@@ -28,7 +28,7 @@ pub(super) enum Condition {
 }
 
 impl Condition {
-    /// The identity of the condition: conditions with equal keys are the same one, whatever their other fields.
+    /// The identity of the condition: conditions with equal keys are the same condition, whatever their other fields.
     pub const fn key(self) -> (u8, u16) {
         match self {
             Self::Application(error) => (0, error.number),

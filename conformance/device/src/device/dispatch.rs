@@ -256,7 +256,7 @@ mod tests {
         let frame = |id, data: &[u8]| Frame::new(CanId::standard_masked(id), data).unwrap();
         let booted = device.poll_timeout().unwrap();
         device.handle_timeout(booted);
-        // The consumer time of node 11 is 50 ms, and one heartbeat of it comes.
+        // The consumer time for node 11 is set to 50 ms, and node 11 sends one heartbeat.
         device.handle(booted, &frame(0x60A, &[0x23, 0x16, 0x10, 0x01, 50, 0, 11, 0]));
         device.handle(booted, &frame(0x70B, &[5]));
         let reset = booted + Duration::from_millis(1);

@@ -40,8 +40,8 @@ impl HeartbeatProducer {
         self.due = if millis == 0 { Timestamp::MAX } else { now + self.period };
     }
 
-    /// Handles the end of initialisation: the boot-up message counts as the first heartbeat, so the next one follows a
-    /// period later.
+    /// Handles the end of initialisation: the boot-up message counts as the first heartbeat, so the next heartbeat
+    /// follows a period later.
     fn boot(&mut self, now: Timestamp, millis: u64, firmware: &Firmware) {
         self.start(now, millis, firmware);
         self.burst = 0;
@@ -67,7 +67,7 @@ impl HeartbeatProducer {
         if self.burst > 0 {
             self.burst -= 1;
         } else {
-            // The next heartbeat is due relative to the planned time of this one, so that delays do not add up.
+            // The next heartbeat is due relative to the planned time of this heartbeat, so that delays do not add up.
             self.due += self.period;
         }
         let wrong = firmware.has(Fault::HeartbeatWrongState);

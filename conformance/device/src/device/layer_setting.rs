@@ -58,7 +58,7 @@ impl InOrder {
     }
 }
 
-/// Whether part `own` of the slave's address is within a bound of "identify remote slave".
+/// Whether `own`, a part of the slave's address, is within the bound `value` of "identify remote slave".
 pub(super) fn is_within<D: Dialect>(limit: Limit, value: D::Value, own: D::Value) -> bool {
     match limit {
         Limit::Equal => value == own,

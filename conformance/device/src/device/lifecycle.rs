@@ -212,7 +212,7 @@ impl Device {
         }
     }
 
-    /// Sets a read-only node-ID object to the current node-ID, which may differ from the stored one.
+    /// Sets a read-only node-ID object to the current node-ID, which may differ from the stored node-ID.
     fn show_node_id(&mut self) {
         let objects = &mut self.context.objects;
         let Some(at) = objects.model.sheet().network.node_id_object else { return };

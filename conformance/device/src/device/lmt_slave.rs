@@ -96,8 +96,8 @@ impl LmtSlave {
         }
     }
 
-    /// Handles a part of "switch mode selective": the three parts must come in order; the last one switches, without an
-    /// answer.
+    /// Handles a part of "switch mode selective": the three parts must come in order; the last part switches, without
+    /// an answer.
     fn on_switch_selective(
         &mut self,
         part: Part,
@@ -214,7 +214,7 @@ impl LmtSlave {
         }
     }
 
-    /// Activates the bit rate: silence for one delay before the change and one after it.
+    /// Activates the bit rate: silence for one delay before the change and one delay after it.
     fn activate(&mut self, now: Timestamp, delay: Duration, context: &mut Context) {
         self.in_use_kbit = self.pending.kbit.unwrap_or(self.in_use_kbit);
         if !context.has(Fault::LmtActivationNotSilent) && delay > Duration::ZERO {

@@ -116,7 +116,7 @@ impl LssSlave {
         (obeyed && was_configuring && leaves).then_some(Effect::Leave)
     }
 
-    /// Handles a part of "switch state selective": the four parts must come in order; the last one switches.
+    /// Handles a part of "switch state selective": the four parts must come in order; the last part switches.
     fn on_switch_selective(
         &mut self,
         part: Part,
@@ -167,7 +167,7 @@ impl LssSlave {
             return None;
         }
         if bit_check == 0 {
-            // Only the last part ends the scan, if the master names an earlier part as the next one.
+            // Only the last part ends the scan, if the master names an earlier part as the next part.
             self.at.configuring = (sub == 3 || firmware.has(Fault::FastscanEarlyMatch)) && next < sub;
             self.scanning = next;
         }

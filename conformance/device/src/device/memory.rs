@@ -17,7 +17,7 @@ use std::str::FromStr;
 pub struct Memory {
     /// The id of the model.
     model: String,
-    /// The value that the application stores besides the parameters.
+    /// The value that the application stores in addition to the parameters.
     #[serde(skip_serializing_if = "Option::is_none")]
     offset: Option<i64>,
     /// The node-ID stored by LSS; 255 for none.

@@ -44,10 +44,10 @@ pub(super) struct Mischief {
     refusals: u32,
 }
 
-/// What happens to a received frame.
+/// The effect of the faults on a received frame.
 #[derive(Clone, Copy, Debug)]
 pub(super) enum Incoming {
-    /// The device gets this frame, and the second one after it.
+    /// The device gets this frame, and the second frame after it.
     Frames(Frame, Option<Frame>),
     /// The device does not get the frame.
     Lost,
@@ -77,7 +77,7 @@ impl Mischief {
         }
     }
 
-    /// Whether the firmware has any fault, so that frames must pass through here.
+    /// Whether the firmware has any fault, so that each frame must be passed to [`Mischief`].
     pub(crate) fn is_active(&self) -> bool {
         !self.faults.is_empty()
     }
@@ -282,7 +282,7 @@ impl Mischief {
         }
     }
 
-    /// Handles the abort of a download: the abort code of the server, or another one.
+    /// Handles the abort of a download: the abort code of the server, or another code.
     fn refused(&mut self, at: Multiplexer, code: AbortCode, frame: Frame) -> Frame {
         let is_mapping = object::is_pdo_mapping(at.index.0);
         self.mapping_refused |= is_mapping && self.download.is_some() && self.has(Fault::MappingFailureWedges);

@@ -2,9 +2,9 @@
 //!
 //! Each service is one file. `service` defines the interface of the services, `services` lists them in the order of
 //! calls, `context` holds their shared state; `dispatch` is the loop over them, `lifecycle` the behaviour of the whole
-//! device. A service asks the firmware for a fault or liberty where that acts: `context.has(Fault::…)`,
-//! `context.takes(Liberty::…)`. Faults in single frames are in `mischief`, faults of the object dictionary in
-//! `overlay`.
+//! device. A service asks the firmware for a fault or liberty at the place where the fault or liberty acts:
+//! `context.has(Fault::…)`, `context.takes(Liberty::…)`. Faults in single frames are in `mischief`, faults of the
+//! object dictionary in `overlay`.
 
 mod abort_codes;
 mod application;

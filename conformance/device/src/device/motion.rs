@@ -1,8 +1,8 @@
 //! The motion of the quantity that a simulated device measures. Position, speed, acceleration and jerk are those of one
 //! course, and consistent at every instant.
 //!
-//! The unit of length is the period of the sensor: a revolution of a rotary sensor, a millimetre of a linear one. Time
-//! counts from the power-on of the bus.
+//! The unit of length is the period of the sensor: a revolution of a rotary sensor, a millimetre of a linear sensor.
+//! Time counts from the power-on of the bus.
 
 use canvass_traces::{Duration, Timestamp};
 use std::sync::Arc;
@@ -24,7 +24,7 @@ enum Course {
     Sine { amplitude: f64, period: f64 },
     /// From rest to `speed` in units per second within `rise` seconds, then steady.
     Ramp { speed: f64, rise: f64 },
-    /// Through these points; at rest before the first and after the last one.
+    /// Through these points; at rest before the first point and after the last one.
     Points(Arc<[Knot]>),
 }
 

@@ -50,7 +50,7 @@ pub enum MotionError {
         /// The text found.
         found: String,
     },
-    /// A point that is not later than the one before.
+    /// A point that is not later than the previous point.
     #[error("line {line}: expected a time after the {before} s of the point before, found {found} s")]
     Order {
         /// The line, from 1.

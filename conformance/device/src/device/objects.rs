@@ -272,7 +272,8 @@ impl Objects {
         }
     }
 
-    /// Bit 31 if the COB-ID has it as delivered. In 1005h of DS-301 V3.0 this bit means that the device consumes SYNC.
+    /// Bit 31, if it is set in the delivered COB-ID. In 1005h of DS-301 V3.0 this bit means that the device consumes
+    /// SYNC.
     fn consumer_bit(&self, at: Multiplexer) -> u64 {
         self.parameters.entry(at).map_or(0, |entry| entry.default_bits()) & u64::from(CobId::INVALID)
     }

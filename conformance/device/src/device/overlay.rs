@@ -7,7 +7,7 @@ use crate::{Fault, Firmware};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object;
 
-/// The device profile number of input and output modules, which no device with the fault has.
+/// The profile number of input and output modules. No device with the fault has this profile.
 const ANOTHER_PROFILE: u64 = 401;
 
 /// Changes the dictionary by the faults and liberties of the firmware.

@@ -13,12 +13,13 @@ use canvass_traces::{CanId, Duration, Frame, Timestamp};
 
 /// Interval between the requests of the device's own SDO client.
 const ASKED: Duration = Duration::from_millis(500);
-/// The nodes that the client asks: the first node-ID that is not the device's own.
+/// The possible servers of the client: the client asks the first node-ID that is not the device's own.
 const SERVERS: [u16; 2] = [127, 126];
 const DEVICE_TYPE: Multiplexer = Multiplexer::new(object::DEVICE_TYPE, 0);
 
-/// Interval between bursts, and number of frames in a burst.
+/// Interval between bursts.
 const BURSTS: Duration = Duration::from_millis(250);
+/// Number of frames in a burst.
 const BURST: u8 = 20;
 /// A CAN-ID without predefined use.
 const BURST_ID: u32 = 0x6D0;

@@ -36,7 +36,7 @@ impl Deref for Held<'_> {
 }
 
 impl<'a> Held<'a> {
-    /// Whether the value differs from the delivered one. A COB-ID that follows the node-ID always counts as changed.
+    /// Whether the value differs from the delivered value. A COB-ID that follows the node-ID always counts as changed.
     pub fn is_changed(&self) -> bool {
         match &self.default {
             Default::Fixed(content) => self.fitted(content.clone()) != *self.content,
@@ -130,12 +130,12 @@ impl Parameters {
         parameters
     }
 
-    /// Resets all values to the delivered ones.
+    /// Resets all values to the delivered values.
     pub(crate) fn restore(&mut self, node: NodeId) {
         self.entries_mut().for_each(|(entry, content)| *content = entry.default_content(node));
     }
 
-    /// Resets the parameters of the profile area (6000h to 9FFFh) to the delivered ones.
+    /// Resets the parameters of the profile area (6000h to 9FFFh) to the delivered values.
     pub(crate) fn restore_profile(&mut self, node: NodeId) {
         for (entry, content) in self.entries_mut().filter(|(entry, _)| matches!(entry.at.index.0, 0x6000..0xA000)) {
             *content = entry.default_content(node);
@@ -216,7 +216,7 @@ impl Parameters {
         })
     }
 
-    /// The keys in the section of a key, and the position of the first of them.
+    /// The keys in the section of a key, and the position of the first key of the section.
     fn section(&self, key: u32) -> (usize, &[u32]) {
         let section = (key >> SECTION) as usize;
         let bounds = self.sections.get(section).zip(self.sections.get(section + 1));
@@ -259,7 +259,7 @@ impl Parameters {
         self.entries.iter().zip(&self.contents).map(|(parameter, content)| Held { parameter, content })
     }
 
-    /// All entries, with their values for changing.
+    /// All entries, with values that the caller may change.
     pub(crate) fn entries_mut(&mut self) -> impl Iterator<Item = (&Parameter, &mut Content)> {
         self.entries.iter().zip(&mut self.contents)
     }

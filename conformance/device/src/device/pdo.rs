@@ -67,7 +67,7 @@ pub(super) fn mapping(
     (1..=count).filter_map(move |sub| parameters.number(index, sub)).map(|raw| MappingEntry(raw as u32))
 }
 
-/// The mapping entry after the last one in use, if it is not 0.
+/// The mapping entry after the last used entry, if it is not 0.
 pub(super) fn entry_beyond(direction: Direction, parameters: &Parameters, number: u16) -> Option<MappingEntry> {
     let index = direction.mapping() + number;
     let next = u8::try_from(parameters.number_or_zero(index, 0)).ok()?.checked_add(1)?;

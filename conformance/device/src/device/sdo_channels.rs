@@ -1,4 +1,4 @@
-//! The SDO channels of a device: the default channel, and further ones (1201h to 127Fh), each with its own server.
+//! The SDO channels of a device: the default channel, and further channels (1201h to 127Fh), each with its own server.
 
 use super::context::Context;
 use super::nmt;
@@ -211,7 +211,7 @@ impl FurtherChannel {
 
     /// The next ready answer as a frame.
     pub fn poll(&mut self, now: Timestamp, node: NodeId) -> Option<Frame> {
-        // The answer of a further channel differs from one of the default channel only in its CAN-ID.
+        // The answer of a further channel differs from an answer of the default channel only in its CAN-ID.
         let answer = self.server.poll(now, node)?;
         Frame::new(CanId::standard_masked(self.response.can_id()), answer.data())
     }

@@ -44,7 +44,7 @@ pub(super) trait Service {
     /// Handles an event of the device.
     fn on_event(&mut self, _now: Timestamp, _event: Event, _context: &mut Context) {}
 
-    /// Handles the time that [`Service::timeout`] named; the call may come earlier.
+    /// Does the work that is due at the time of [`Service::timeout`]. The call may also come earlier.
     fn poll(&mut self, _now: Timestamp, _context: &mut Context) {}
 
     /// Time of the next call of [`Service::poll`].

@@ -74,7 +74,7 @@ macro_rules! services {
 // - `storing` comes first, so that stored and erased values are settled before a service acts on a write;
 // - RPDOs act before TPDOs of the same SYNC take their values, and errors are found before changed values are sent;
 // - EMCY goes out before SDO answers, so that a client that waits for its answer knows of the error;
-// - NMT and the default SDO channel win their CAN-IDs over everything that is configured to the same CAN-ID.
+// - NMT and the default SDO channel get the frames of their CAN-IDs, whatever else is configured to the same CAN-ID.
 services! {
     storing: Storing,
     heartbeat: HeartbeatProducer,

@@ -123,7 +123,7 @@ pub(super) struct Store {
     storage: Arc<Storage>,
     /// Stored values that differ from the default, by the position of the parameter in the object dictionary.
     image: Arc<Vec<Option<Content>>>,
-    /// The value that the application stores besides the parameters.
+    /// The value that the application stores in addition to the parameters.
     retained: Option<i64>,
     /// Values stored by LSS that no object holds.
     network: StoredNetwork,
@@ -168,8 +168,8 @@ impl Store {
         self.pending = Some((done, command));
     }
 
-    /// Handles a reset while a faulty firmware writes: the first half of the memory has new values, the second half old
-    /// ones.
+    /// Handles a reset while a faulty firmware writes: the first half of the memory has new values, the second half has
+    /// old values.
     pub(crate) fn tear(&mut self, parameters: &Parameters, node: NodeId) {
         if let Some((_, StoreCommand::Save(groups))) = self.pending {
             let half = self.image.len() / 2;

@@ -24,7 +24,7 @@ pub(super) struct SyncObject {
     overflow: u8,
     /// Whether produced SYNC messages have a counter.
     sends_counter: bool,
-    /// Whether 1019h exists. The device detects a wrong length of SYNC only if it does.
+    /// Whether 1019h exists. Without 1019h the device does not detect a wrong length of SYNC.
     counts: bool,
     /// The counter of the next produced SYNC.
     counter: u8,

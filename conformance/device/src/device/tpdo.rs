@@ -12,7 +12,7 @@ use canvass_analyzer::wire::pdo::{MappingEntry, TransmissionType, insert};
 use canvass_analyzer::{CobId, Multiplexer};
 use canvass_traces::{CanId, Duration, Frame, Timestamp};
 
-/// Interval at which mapped values are compared with the last ones sent.
+/// Interval at which mapped values are compared with the values that were sent last.
 const SAMPLING: Duration = Duration::from_millis(1);
 
 /// Delay after SYNC of synchronous TPDOs in a faulty firmware.
@@ -44,7 +44,7 @@ struct Tpdo {
     waiting: bool,
     /// Whether the TPDO still waits for the SYNC with the start value.
     awaits_start: bool,
-    /// Whether a SYNC came before operational, for a firmware that remembers it.
+    /// Whether a SYNC came before operational, for a firmware that remembers this SYNC.
     remembered: bool,
     /// Number of SYNCs since the last transmission.
     syncs: u8,
@@ -102,7 +102,7 @@ impl Tpdo {
         self.transmission = TransmissionType(number(2) as u8);
         let padded = &objects.model.sheet().network.padded_tpdos;
         self.padded = padded.iter().any(|&number| u16::from(number) == self.number + 1);
-        // If the profile's timer is the only event (6200h), the TPDO has no event timer of its own, and changes of
+        // If the profile's timer (6200h) is the only event, the TPDO has no event timer of its own, and changes of
         // values are no events.
         let is_cyclic = self.number == 0 && objects.model.sheet().quirks.cyclic_tpdo;
         self.on_change = !is_cyclic && objects.model.sheet().network.sent_on_change.contains(&self.transmission.0);
@@ -199,7 +199,7 @@ impl Tpdo {
         self.event_due.min(self.sample_due).min(waiting)
     }
 
-    /// Handles the time that [`Tpdo::timeout`] named.
+    /// Does the work that is due at the time of [`Tpdo::timeout`].
     fn poll(&mut self, now: Timestamp, objects: &Objects) -> Option<Frame> {
         let mut frame = None;
         if now >= self.event_due {

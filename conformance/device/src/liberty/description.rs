@@ -19,7 +19,7 @@ pub(crate) fn changes_text(liberties: Liberties) -> bool {
     OF_TEXT.iter().any(|&liberty| liberties.has(liberty))
 }
 
-/// The text of an EDS in the way of a maker who takes these liberties.
+/// Rewrites the text of an EDS as a maker whose devices take these liberties would write it.
 pub(crate) fn rewrite(text: &str, liberties: Liberties) -> Vec<u8> {
     let has = |liberty| liberties.has(liberty);
     let mut text = text.to_owned();

@@ -51,7 +51,7 @@ const ABSENT_SUBS: [(Liberty, Span<u16>, Span<u8>); 6] = [
 const EVENT_DRIVEN: (u8, u8) = (254, 255);
 
 impl Model {
-    /// The model as a maker has it whose devices take these liberties.
+    /// The model with the changes that these liberties make in its description and sheet.
     pub fn taking(&self, liberties: Liberties) -> Cow<'_, Self> {
         if liberties.is_empty() {
             return Cow::Borrowed(self);
@@ -116,7 +116,7 @@ fn objects(edit: &mut Edit<'_>, liberties: Liberties) {
         edit.remove_subs(first..=last, low..=high);
     }
     if liberties.has(Liberty::NamesEndInNul) {
-        // A text in an EDS can't end in 00h, so only the device has the byte.
+        // A text in an EDS can't end in 00h, so only the text in the device gets this byte.
         (object::MANUFACTURER_DEVICE_NAME..=object::MANUFACTURER_SOFTWARE_VERSION)
             .for_each(|index| edit.end_in_nul(index));
     }
@@ -164,7 +164,7 @@ fn stores(edit: &mut Edit<'_>, capability: u64, on_command: bool) {
     }
 }
 
-/// Removes objects that have an entry of more than four bytes, among the entries for which `is_meant` holds.
+/// Removes each object that has an entry of more than four bytes for which `is_meant` holds.
 fn remove_long(edit: &mut Edit<'_>, is_meant: impl Fn(&Entry) -> bool) {
     let is_long = |entry: &Entry| is_meant(entry) && entry.data_type.bytes().is_none_or(|bytes| bytes > 4);
     let entries = edit.description.dictionary.entries();
@@ -209,7 +209,7 @@ fn pdos(edit: &mut Edit<'_>, liberties: Liberties) {
     }
 }
 
-/// Makes a PDO event-driven whose delivered transmission type is missing in the device.
+/// Makes a PDO event-driven if the device does not support its delivered transmission type.
 fn event_driven(edit: &mut Edit<'_>, index: u16, is_missing: impl Fn(u64) -> bool) {
     let entry = edit.description.dictionary.entry(Multiplexer::new(index, 2));
     let default = entry.ok().and_then(|entry| entry.default.as_ref()?.fixed()?.to_raw());

@@ -118,12 +118,12 @@ impl Edit<'_> {
         (first..first + 0x200).filter(|&index| has(&self.description.dictionary, index)).collect()
     }
 
-    /// Makes the device be delivered with an empty mapping of this PDO.
+    /// Empties the delivered mapping of a PDO.
     pub(crate) fn unmap(&mut self, mapping: u16) {
         (0..=64).for_each(|sub| self.set(mapping, sub, 0));
     }
 
-    /// Empties the delivered mapping of every PDO that maps such an object.
+    /// Empties the delivered mapping of every PDO that maps an object for which `is_gone` holds.
     pub(crate) fn unmap_where(&mut self, is_gone: impl Fn(Multiplexer) -> bool) {
         let carries = |object: &Object| {
             let entries = object.entries().iter().filter(|entry| entry.sub.0 > 0);

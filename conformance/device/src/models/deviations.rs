@@ -23,7 +23,7 @@ pub struct Deviation {
     pub case: String,
     /// The subject of the breach, such as an object.
     pub subject: Subject,
-    /// The behaviour of the device, in place of the required one.
+    /// The behaviour of the device, in place of the required behaviour.
     pub does: Pattern,
     /// The statement of the manual, with its place.
     pub documented: String,

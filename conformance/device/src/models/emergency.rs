@@ -21,7 +21,7 @@ pub struct Emergency {
     pub bytes: Vec<u8>,
     /// The meaning of the code.
     pub text: String,
-    /// For people: the values among these that the manual does not give.
+    /// For people: the values of this row that the manual does not give.
     #[serde(default)]
     pub assumed: ForPeople,
     /// For people: the content of the manufacturer-specific bytes.

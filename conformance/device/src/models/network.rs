@@ -88,7 +88,7 @@ pub struct Network {
     /// waits for reset communication (CiA 305).
     #[serde(default = "yes")]
     pub lss_restarts: bool,
-    /// For people: the values among these that the manual does not give.
+    /// For people: the values of this table that the manual does not give.
     #[serde(default)]
     pub assumed: ForPeople,
     /// For people: the number of nodes that 1016h can monitor.

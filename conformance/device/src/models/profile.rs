@@ -17,8 +17,8 @@ pub trait ProfileSheet: Sync {
     /// The error in the table, with its line.
     fn read(&self, sheet: &str) -> Result<ApplicationSheet, toml::de::Error>;
 
-    /// Derives the table from the description of a device without sheet. The profile adds further tables and rows that
-    /// the description shows to `sheet`.
+    /// Derives the table from the description of a device without sheet. The profile adds to `sheet` the further tables
+    /// and rows that follow from the description.
     fn describe(&self, _: &DeviceDescription, _sheet: &mut Table) -> ApplicationSheet {
         ApplicationSheet::default()
     }

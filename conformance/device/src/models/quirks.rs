@@ -18,7 +18,7 @@ pub struct Quirks {
     pub error_register_read_clears: bool,
     /// An empty entry of 1003h reads as 0; the device does not refuse to read it.
     pub empty_error_history_reads_zero: bool,
-    /// The bits that 1001h supports. An error whose bits are all unsupported sets all supported ones. `None`: all eight
+    /// The bits that 1001h supports. An error whose bits are all unsupported sets all supported bits. `None`: all eight
     /// bits are supported.
     pub error_register_bits: Option<u8>,
     /// The EMCY code of life guarding; `None`: 8130h.
@@ -53,7 +53,7 @@ pub struct Quirks {
     pub restore_needs_store: bool,
     /// Pairs `[standard, device]`: the abort code of the device in place of a code of CiA 301.
     pub abort_codes: Vec<(u32, u32)>,
-    /// For people: the values among these that the manual does not give.
+    /// For people: the values of this table that the manual does not give.
     pub assumed: ForPeople,
 }
 
@@ -69,7 +69,7 @@ impl Quirks {
         own.map_or(standard, |&(_, code)| AbortCode(code))
     }
 
-    /// The EMCY code of a lost guarding master.
+    /// The EMCY code for the loss of the guarding master.
     pub(crate) fn life_guarding_code(&self) -> EmcyCode {
         self.life_guarding_error.map_or(EmcyCode::HEARTBEAT, EmcyCode)
     }

@@ -9,8 +9,8 @@ use serde::Deserialize;
 #[derive(Clone, Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Recognition {
-    /// Objects with the values by which a node of this model is recognised, in place of the default of the EDS or
-    /// besides it.
+    /// Objects with the values by which a node of this model is recognised, in place of the default of the EDS or in
+    /// addition to it.
     #[serde(default, rename = "number")]
     pub numbers: Vec<Number>,
     /// Objects with the beginning of the text by which a node of this model is recognised.
@@ -25,7 +25,7 @@ pub struct Number {
     /// The object.
     #[serde(deserialize_with = "address")]
     pub at: Multiplexer,
-    /// The values of which a node has one.
+    /// The possible values: a node of the model has one of them.
     pub any: Vec<u32>,
 }
 

@@ -28,7 +28,7 @@ pub enum LinkKind {
     Follows,
 }
 
-/// A rule for writing an object beyond its limits, and the abort code of a breach.
+/// A rule for written values in addition to the limits of the object, and the abort code of a breach.
 #[derive(Clone, Debug, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Check {
@@ -41,7 +41,7 @@ pub struct Check {
     /// The SDO abort code of a breach.
     #[serde(deserialize_with = "abort_code")]
     pub abort: AbortCode,
-    /// The values among these that the manual does not give: for readers of the file.
+    /// The values of this row that the manual does not give: for readers of the file.
     #[serde(default)]
     pub assumed: ForPeople,
     /// The place in the manual: for readers of the file; the program does not use it.

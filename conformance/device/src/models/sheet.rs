@@ -39,7 +39,7 @@ pub struct Sheet {
     /// The non-volatile storage of the device.
     #[serde(default)]
     pub storage: Storage,
-    /// The behaviour of the device's application, as read by its profile.
+    /// The behaviour of the device's application, as its profile has read it.
     #[serde(default)]
     pub application: ApplicationSheet,
     /// Values of objects that have no default in the EDS.
@@ -181,7 +181,7 @@ pub struct Timing {
     pub store_ms: u64,
     /// The time after which the SDO server ends a transfer whose client is silent.
     pub sdo_timeout_ms: u64,
-    /// For people: the values among these that the manual does not give.
+    /// For people: the values of this table that the manual does not give.
     pub assumed: ForPeople,
     /// For people: the interval between measurements of the temperature.
     pub temperature_update_s: ForPeople,
@@ -242,7 +242,7 @@ pub struct Storage {
     /// Objects that are stored as soon as they are written.
     #[serde(deserialize_with = "addresses")]
     pub persist_at_once: Vec<Multiplexer>,
-    /// For people: the values among these that the manual does not give.
+    /// For people: the values of this table that the manual does not give.
     pub assumed: ForPeople,
     /// For people: the object that restores the defaults.
     pub load_object: ForPeople,

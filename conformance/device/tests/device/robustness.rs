@@ -88,8 +88,8 @@ proptest! {
             let node = (state != 4).then(|| NodeId::new(63).unwrap());
             let mut bus = SimulatedBus::new(1_000_000);
             bus.attach(Box::new(Device::with_motion(model, node, faults, 3, &Motion::constant(0, 77_777))));
-            // State 0 is initialisation; the others are pre-operational, operational, stopped, and a device without
-            // node-ID.
+            // State 0 is initialisation; the other states are pre-operational, operational, stopped, and a device
+            // without node-ID.
             let begin = bus.now() + Duration::from_millis(if state == 0 { 1 } else { 400 });
             while bus.receive(begin).unwrap().is_some() {}
             if let Some(command) = [None, None, Some(1), Some(2), None].get(usize::from(state)).copied().flatten() {

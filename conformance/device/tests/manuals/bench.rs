@@ -1,4 +1,4 @@
-//! One device without a bus. Its time goes on only by calls, and it can be switched off and on.
+//! One device without a bus. Its time advances only by calls, and it can be switched off and on.
 
 use canvass_analyzer::NodeId;
 use canvass_bus::Machine;

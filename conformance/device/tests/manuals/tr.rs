@@ -10,7 +10,8 @@ fn rotary() -> Bench {
     Bench::new("tr-c65")
 }
 
-/// Guards a device once with a life time of 200 ms, and stops guarding until the device reports the loss.
+/// Guards a device once with a life time of 200 ms, and sends no further guarding request until the device reports the
+/// loss.
 fn lose_master(bench: &mut Bench) -> Vec<String> {
     bench.write(0x100C, 0, 100, 2).unwrap();
     bench.write(0x100D, 0, 2, 1).unwrap();
@@ -305,7 +306,7 @@ fn life_guarding() {
     assert_eq!(bench.run(1_000), NONE);
 }
 
-/// 8.7 to 8.9: the device sends names in segments, even short ones.
+/// 8.7 to 8.9: the device sends names in segments, even short names.
 #[test]
 fn names_come_in_segments() {
     let mut bench = Bench::new("tr-lmp30");

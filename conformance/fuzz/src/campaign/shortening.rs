@@ -1,5 +1,5 @@
-//! Shortening of confirmed violations. On a simulated bus it is done at once. On a live device it is done a little at a
-//! time, so that most of the run remains for new sequences.
+//! Shortening of confirmed violations. On a simulated bus, shortening is done at once. On a live device, it is done a
+//! little at a time, so that most of the run remains for new sequences.
 
 use super::violations::{Confirmed, is_same};
 use super::{Campaign, Found, Standing};
@@ -19,7 +19,7 @@ const LONGEST: Duration = Duration::from_secs(5);
 /// Minimum number of tries even on the slowest device.
 const LEAST_TRIES: u32 = 24;
 
-/// Time for which one violation is made shorter before the run goes on.
+/// Time for shortening one violation before the run continues with new sequences.
 const TURN: Duration = Duration::from_millis(250);
 
 /// While the run goes on, one part in [`SHARE`] of the time is spent on shortening.
@@ -28,14 +28,14 @@ const SHARE: u64 = 4;
 /// In the last part in [`LAST_PART`] of a run, the shortest sequences so far are run from power-on.
 const LAST_PART: u32 = 20;
 
-/// A confirmed violation whose sequence is being made shorter. On a live device most tries begin where the one before
-/// has ended, which takes far less time than a reset. The resulting sequence has to show the violation from power-on.
-/// If it does not, all tries are repeated from power-on.
+/// A confirmed violation whose sequence is being made shorter. On a live device most tries begin in the state that the
+/// previous try has left, which takes far less time than a reset. The resulting sequence has to show the violation from
+/// power-on. If it does not, all tries are repeated from power-on.
 pub(super) struct Shortening {
     /// The violation as it was confirmed or seen.
     whole: Found,
-    /// All frames since a start, if only these have shown the violation, at the swift pace. The shortened sequence then
-    /// has to be confirmed.
+    /// All frames since a start, if the violation came back only after all of them, at the swift pace. The shortened
+    /// sequence then has to be confirmed.
     history: Option<Sequence>,
     tree: SequenceTree,
     pace: Pace,
@@ -43,7 +43,7 @@ pub(super) struct Shortening {
     spent: Duration,
     /// The frames on the bus during the shortest sequence so far, if they are kept.
     evidence: Vec<Record>,
-    /// The sequences that showed the violation, each shorter than the one before.
+    /// The sequences that showed the violation, each shorter than the previous sequence.
     shown: Vec<Sequence>,
     /// Whether a try ended as soon as a known answer was missing, before its full time.
     has_hurried: bool,
@@ -224,8 +224,8 @@ impl Campaign<'_> {
         })
     }
 
-    /// Repeats a history at the careful pace. If it does not show the violation there, the result is the violation as
-    /// seen.
+    /// Repeats a history at the careful pace. If the history does not show the violation at this pace, the result is
+    /// the violation as seen.
     fn confirm_history(
         &mut self,
         stand: &mut dyn TestStand,
@@ -256,7 +256,7 @@ impl Campaign<'_> {
     ) -> Result<bool, BusError> {
         let Shortening { whole, tree, pace, tries, spent, evidence, shown, has_hurried, .. } = shortening;
         let is_repeatable = stand.is_repeatable();
-        // A missing answer was awaited for its full time before; the tries need not do so again.
+        // The full time for a missing answer has passed once before; the tries need not wait for it again.
         self.executor.known.presume(Some((whole.violation.property, whole.violation.rule)));
         let mut more = tree.go_on();
         let over = loop {
@@ -291,8 +291,8 @@ impl Campaign<'_> {
         Ok(over)
     }
 
-    /// Runs the shortest sequence from power-on. If a try depended on the state that the one before had left, a longer
-    /// sequence shows the violation.
+    /// Runs the shortest sequence from power-on. A try may have depended on the state that the previous try had left:
+    /// if so, longer sequences are run until one shows the violation.
     fn show_best(&mut self, stand: &mut dyn TestStand, shortening: &Shortening) -> Result<Found, BusError> {
         let pace = shortening.pace;
         let mut found = self.show(stand, shortening.best(), pace)?;

@@ -39,7 +39,8 @@ impl Campaign<'_> {
         let key = (violation.property, violation.rule);
         let doubts = match self.seen.get(&key) {
             Some(Standing::Confirmed | Standing::Doubtful(MOST_DOUBTS..)) => {
-                // If the violation is a missing answer, its full time has passed now and need not pass again.
+                // If the violation is a missing answer, its full time has passed now. The fuzzer need not wait for it
+                // again.
                 self.executor.known.take_for_granted(&violation);
                 return Ok(());
             }
@@ -48,7 +49,7 @@ impl Campaign<'_> {
             None => 0,
         };
         if self.executor.history.tail() > 0 && !self.executor.is_between() {
-            // The frames before belong to another violation, after which the device was brought to rest.
+            // The earlier frames belong to another violation, after which the device was brought to rest.
             let mut tail = tree.current();
             tail.stimuli.drain(..self.executor.history.tail().min(tail.stimuli.len()));
             tree = SequenceTree::new(tail);
@@ -159,7 +160,7 @@ impl Campaign<'_> {
             && (self.executor.is_in_order(violation.property) || is_mixable(violation))
     }
 
-    /// Reports that the device did not come back from a reset, with the frames sent since the start before. `dead`:
+    /// Reports that the device did not come back from a reset, with the frames sent since the previous start. `dead`:
     /// further resets did not bring it back either.
     pub(super) fn lose(&mut self, stand: &mut dyn TestStand, violation: Violation, dead: bool) -> Result<(), BusError> {
         self.dead |= dead;
@@ -174,7 +175,7 @@ impl Campaign<'_> {
         again.map(|_| ())
     }
 
-    /// Whether the device again does not come back from the reset after the sequence.
+    /// Repeats the sequence and resets the device. Returns whether the device again does not come back.
     fn is_lost_again(&mut self, stand: &mut dyn TestStand, sequence: &Sequence) -> Result<bool, BusError> {
         self.executor.run(stand, sequence, Pace::Careful, true)?;
         let ended = self.executor.restart(stand)?;

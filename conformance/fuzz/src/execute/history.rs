@@ -7,6 +7,8 @@ use canvass_traces::{Record, Timestamp};
 const LONGEST_EVIDENCE: usize = 1_000;
 
 /// The frames of a device that is not made anew for each sequence, and the position at which the last sequence began.
+/// If a sequence goes on after a violation that was reported before, the rest of it is its *tail*, which begins at
+/// rest.
 #[derive(Debug, Default)]
 pub(crate) struct History {
     /// Whether frames are kept as evidence.
@@ -19,12 +21,12 @@ pub(crate) struct History {
     before: (Sequence, Vec<Record>),
     /// Whether the connection to the bus was interrupted in the last sequence, so that its start may not have happened.
     pub was_interrupted: bool,
-    /// Number of stimuli between the last start and the beginning of the last sequence, or of its tail.
+    /// Number of stimuli between the last start and the beginning of the last sequence or, if the sequence has a tail,
+    /// of its tail.
     begun_at: usize,
-    /// Number of stimuli of the last sequence before its tail. The tail begins at rest, after a violation that was
-    /// reported before.
+    /// Number of stimuli of the last sequence before its tail; 0 without a tail.
     tail: usize,
-    /// Number of stimuli since the last start up to the last time at which the device held its power-on values.
+    /// Number of stimuli from the last start to the last moment at which the device held its power-on values.
     settled: usize,
 }
 
@@ -44,7 +46,7 @@ impl History {
         self.sent.push(stimulus);
     }
 
-    /// Begins a new history with a start. The frames before are kept as the history of the start before.
+    /// Begins a new history with a start. The frames up to now are kept as the history of the previous start.
     pub fn start(&mut self, is_repeatable: bool) {
         let evidence = std::mem::take(&mut self.evidence);
         if !is_repeatable {

@@ -1,4 +1,5 @@
-//! Violations that were seen before. Their missing answers are not awaited in full again, and they end no sequence.
+//! Violations that were seen before. The fuzzer does not again wait the full time for their missing answers, and they
+//! end no sequence.
 
 use super::{MOST_SLOW, Pace, WEDGED};
 use crate::oracle::Violation;
@@ -11,21 +12,22 @@ pub(crate) type Key = (Property, &'static str);
 /// The known violations of this device.
 #[derive(Debug, Default)]
 pub(crate) struct KnownViolations {
-    /// The violation that is being shown again. Its missing answer is not awaited in full.
+    /// The violation that is being shown again. The fuzzer does not wait the full time for its missing answer.
     presumed: Option<Key>,
-    /// Whether the violation was shown again without awaiting the full time.
+    /// Whether the violation was shown again before the full time had passed.
     has_hurried: bool,
     /// Violations that were reported: they end no sequence.
     reported: BTreeSet<Key>,
-    /// Reported violations that were missing answers. Such an answer is not awaited in full.
+    /// Reported violations that were missing answers. The fuzzer does not wait the full time for these answers.
     silence: BTreeSet<Key>,
-    /// Number of slow answers of the SDO server by the rule that awaited them. Too many of a kind have to be avoided.
+    /// Number of slow answers of the SDO server, by the rule that requires the answer. The fuzzer avoids an answer that
+    /// was slow too often.
     slow: BTreeMap<&'static str, u32>,
 }
 
 impl KnownViolations {
-    /// Sets the violation that is to be shown again; `None`: the full times are awaited. Returns whether the violation
-    /// before was shown without awaiting its full time.
+    /// Sets the violation that is to be shown again; `None`: the fuzzer waits the full times. Returns whether the
+    /// previous violation was shown before its full time had passed.
     pub(crate) const fn presume(&mut self, violation: Option<Key>) -> bool {
         self.presumed = violation;
         std::mem::replace(&mut self.has_hurried, false)
@@ -51,12 +53,12 @@ impl KnownViolations {
         self.presumed != Some(key) && self.reported.contains(&key)
     }
 
-    /// Whether a missing answer was awaited in full before.
+    /// Whether the fuzzer has waited the full time for this missing answer before.
     pub(crate) fn is_known_silence(&self, key: Key, pace: Pace) -> bool {
         self.presumed == Some(key) || pace == Pace::Swift && self.silence.contains(&key)
     }
 
-    /// Records that a violation was shown again without awaiting its full time.
+    /// Records that a violation was shown again before its full time had passed.
     pub(crate) const fn hurry(&mut self) {
         self.has_hurried = true;
     }
@@ -81,7 +83,7 @@ impl KnownViolations {
         *self.slow.entry(awaited).or_default() += 1;
     }
 
-    /// Whether this kind of answer was slow too often to be awaited again.
+    /// Whether an answer that this rule requires was slow too often to wait for it again.
     pub(crate) fn is_too_slow(&self, awaited: &'static str) -> bool {
         self.slow.get(awaited).is_some_and(|&times| times >= MOST_SLOW)
     }

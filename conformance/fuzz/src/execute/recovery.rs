@@ -14,7 +14,7 @@ use canvass_bus::BusError;
 use canvass_traces::{Direction, Duration};
 
 impl Executor {
-    /// Whether a sequence goes on after a violation that was reported before. The rest of the sequence may show more.
+    /// Whether a sequence continues after a violation that was reported before. The rest of the sequence may show more.
     pub(super) fn is_tolerated(&self, stand: &dyn TestStand, violation: &Violation) -> bool {
         self.waits.pace == Pace::Swift
             && !stand.is_repeatable()
@@ -22,8 +22,9 @@ impl Executor {
             && self.is_alive_after(violation)
     }
 
-    /// Whether the device may go on in the state that a sequence has left, once its answers show this state. It may if
-    /// no change waits for a reset, and if it is neither starting nor without node-ID.
+    /// Whether the fuzzer may continue without a reset in the state that a sequence has left, once the answers of the
+    /// device show this state. No change may wait for a reset, and the device must be neither starting nor without
+    /// node-ID.
     pub(super) fn may_recover(&self, ended: &Result<(), Stop>) -> bool {
         match ended {
             Ok(()) => self.oracle.may_go_on(),
@@ -52,7 +53,7 @@ impl Executor {
     }
 
     /// Ends any transfer, reads the objects that may have changed, and writes the power-on values back. `false`: the
-    /// device does not answer like one at rest.
+    /// device does not answer like a device at rest.
     pub(super) fn recover(&mut self, stand: &mut dyn TestStand) -> Result<bool, Stop> {
         let begun = stand.bus().now();
         let recovered = self.bring_to_rest(stand);
@@ -90,8 +91,8 @@ impl Executor {
         Ok(true)
     }
 
-    /// Whether reading 1000h succeeds as on a server without a transfer. A missing answer is a violation (PROP-01); it
-    /// is awaited in full only if it is new.
+    /// Whether reading 1000h succeeds as on a server without a transfer. A missing answer is a violation (PROP-01); the
+    /// fuzzer waits the full time for it only if the violation is new.
     fn is_idle(&mut self, stand: &mut dyn TestStand) -> Result<bool, Stop> {
         self.hand_over(stand, self.requests.probe)?;
         let is_news = self.known.is_wedged_news();

@@ -1,4 +1,4 @@
-//! The SDO messages that the executor sends in addition to those of the sequences.
+//! The SDO messages that the executor sends in addition to the messages of the sequences.
 
 use crate::stimulus::Stimulus;
 use canvass_analyzer::wire::Wire;

@@ -8,7 +8,7 @@ use crate::spent::Spent;
 pub(crate) struct Tally {
     /// The combinations of state, command and answer that were seen.
     pub coverage: Coverage,
-    /// Number of frames on the bus for which the models knew which answers must or must not come.
+    /// Number of frames on the bus for which the models knew the required or forbidden answers.
     pub executions: u64,
     /// Number of frames sent, including frames after which the standard leaves everything open.
     pub frames: u64,

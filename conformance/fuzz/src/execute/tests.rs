@@ -61,7 +61,7 @@ fn a_device_that_has_booted_unseen_is_not_waited_for() {
     assert!(starts == 1 && time < Duration::from_millis(300), "{next}");
 }
 
-/// A second reset is under way when the sequence ends. Its boot-up message is not taken for the one of the start.
+/// A second reset is under way when the sequence ends. Its boot-up message is not taken for that of the start.
 #[test]
 fn a_device_that_is_reset_unseen_is_waited_for() {
     let (reset, wait) = (frame(0, &[0x81, 1]), frame(lss::MASTER_CAN_ID, &[0x04, 0, 0, 0, 0, 0, 0, 0]));

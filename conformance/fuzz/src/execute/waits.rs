@@ -16,7 +16,7 @@ use canvass_traces::{Direction, Duration, Frame, Timestamp};
 #[derive(Debug)]
 pub(crate) struct Waits {
     pub pace: Pace,
-    /// The required duration of silence, and whether a request can replace it.
+    /// The required duration of silence, and whether a request can replace waiting for silence.
     pub trusts: Trusts,
     /// Whether a forbidden answer to this frame is also recognised after the next frame.
     pub followed: bool,
@@ -26,7 +26,7 @@ pub(crate) struct Waits {
     pub probing: bool,
     /// The last frame that the device or another node has sent.
     heard: Option<Frame>,
-    /// Number of own frames that were handed over and have not been on the bus.
+    /// Number of own frames that were handed over and have not been on the bus yet.
     pub outstanding: usize,
 }
 
@@ -80,7 +80,7 @@ impl Executor {
             && !self.known.answers_too_much()
     }
 
-    /// Waits until the answers that are due have come, or until silence has lasted long enough if none is due.
+    /// Waits until the answers that are due have come, or until silence has lasted long enough if no answer is due.
     pub(super) fn settle(&mut self, stand: &mut dyn TestStand) -> Result<(), Stop> {
         let begun = stand.bus().now();
         let ended = self.wait_for_answers(stand);
@@ -182,8 +182,8 @@ impl Executor {
         Ok(self.hand_over(stand, self.requests.abort)?)
     }
 
-    /// Ends the sequence if the answer due at `due` is known to be missing. It was awaited in full when it was missing
-    /// for the first time, and when that was repeated.
+    /// Ends the sequence if the answer due at `due` is known to be missing. The fuzzer has waited the full time twice:
+    /// when the answer was missing for the first time, and when this violation was repeated.
     fn is_missing_as_before(&mut self, due: Timestamp) -> Result<(), Stop> {
         match self.oracle.clone().expire(due) {
             // A missing answer that is not the violation to be shown again ends the try, too, however slow the answer
@@ -201,13 +201,13 @@ impl Executor {
         self.known.is_known_silence(key, self.waits.pace)
     }
 
-    /// Whether a request can replace waiting: its answer comes after the frames before it have taken effect.
+    /// Whether a request can replace waiting for silence: its answer comes after the earlier frames have taken effect.
     fn may_ask(&self, stand: &dyn TestStand) -> bool {
         self.waits.pace == Pace::Swift && self.waits.trusts.are_in_order() && !stand.is_repeatable()
     }
 
     /// Reads an object when the state of the server is not known. The value shows that the server has no transfer and
-    /// has answered the requests before. If the server takes the request for something else, an abort ends its
+    /// has answered the earlier requests. If the server takes the request for something else, an abort ends its
     /// transfer.
     fn find_server(&mut self, stand: &mut dyn TestStand, at: Multiplexer) -> Result<(), Stop> {
         self.waits.awaited = Cause::Question;
@@ -358,7 +358,7 @@ enum Received {
     Nothing,
     /// An own frame, or an answer of a server or slave.
     Answer,
-    /// A frame of another node, or one outside the device's predefined connection set.
+    /// A frame of another node, or a frame outside the device's predefined connection set.
     Bystander,
     /// Any other frame, such as a heartbeat or a PDO.
     Other,

@@ -37,7 +37,7 @@ impl Script<'_> {
         }
     }
 
-    /// Brings the slave into a state. A state without node-ID is reached only if the sequence begins without one.
+    /// Brings the slave into a state. A state without node-ID is reached only if the sequence begins without node-ID.
     fn reach_lss(&mut self, state: LssState) {
         let [vendor, ..] = self.address();
         match state {
@@ -165,7 +165,7 @@ impl Script<'_> {
         ];
         if self.dice.flip() {
             let wrong = self.dice.below(6);
-            // One bound just excludes the slave: a lower or equal bound is one too high, an upper one is one too low.
+            // One bound just excludes the slave: a lower or equal bound is one too high, an upper bound is one too low.
             bounds[wrong] = match wrong {
                 2 => revision.wrapping_add(1),
                 3 => revision.wrapping_sub(1),

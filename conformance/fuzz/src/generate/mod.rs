@@ -114,7 +114,7 @@ impl<'a> Script<'a> {
     }
 
     fn push(&mut self, frame: Frame, then: Then) {
-        // The finished frame is checked, so that no random choice can touch what is not allowed.
+        // The finished frame is checked, so that no random choice causes a touch that is not allowed.
         if limits::of(&frame, self.knowledge(), &self.plan.allow).is_none() {
             self.sequence.stimuli.push(Stimulus { frame, then });
         }

@@ -55,7 +55,7 @@ impl Script<'_> {
         self.sdo(Request::upload(known.at));
     }
 
-    /// The client abandons a transfer. When it is back, the server has to serve it again.
+    /// The client abandons a transfer. When the client sends requests again, the server has to serve them.
     fn abandoned(&mut self) {
         let state = self.dice.one_of([SdoState::Download, SdoState::Upload, SdoState::BlockDownload]);
         self.reach(state);
@@ -169,7 +169,7 @@ impl Script<'_> {
     }
 
     fn segmented_download(&mut self) {
-        // Few objects have values of variable length, so one of these is preferred now and then.
+        // Few objects have values of variable length, so one of these objects is preferred now and then.
         let text = if self.dice.one_in(4) {
             self.object_where(|known| known.writable && known.size.is_none()).cloned()
         } else {
@@ -259,7 +259,7 @@ impl Script<'_> {
         }
     }
 
-    /// Adds the segments of a block. Returns the number of unused bytes in the last one.
+    /// Adds the segments of a block. Returns the number of unused bytes in the last segment.
     fn block_segments(&mut self, value: &[u8]) -> u8 {
         let count = value.len().div_ceil(7).max(1);
         let mistake = if self.dice.one_in(3) { self.dice.below(count) } else { usize::MAX };

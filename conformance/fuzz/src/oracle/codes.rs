@@ -15,7 +15,7 @@ pub(super) struct CodeSet {
 impl CodeSet {
     pub const NONE: Self = Self { rows: 0, best: None };
 
-    /// The set of the codes. The first one is the best.
+    /// The set of the codes. The first code is the best.
     pub const fn of(codes: &[AbortCode]) -> Self {
         let mut set = 0;
         let mut n = 0;
@@ -68,10 +68,10 @@ impl CodeSet {
     }
 }
 
-/// Maximum number of codes named after the best one. More are only counted.
+/// Maximum number of codes named after the best code. Further codes are only counted.
 const MOST_NAMED: usize = 2;
 
-/// The general code, which CiA's own tool accepts instead of any specific one.
+/// The general code, which CiA's own tool accepts instead of any specific code.
 pub(super) const GENERAL: CodeSet = CodeSet::of(&[AbortCode::GENERAL]);
 /// The object does not exist.
 pub(super) const NO_OBJECT: CodeSet = CodeSet::in_situation(Situation::MissingObject);

@@ -37,7 +37,7 @@ impl Watch {
         *self = Self::new();
     }
 
-    /// The fuzzer has sent a frame, so that an error reported from now on may be a new one.
+    /// The fuzzer has sent a frame, so that an error reported from now on may be a new error.
     pub fn provoked(&mut self, frame: &Frame, is_sdo: bool) {
         self.last = None;
         if !is_sdo {
@@ -66,7 +66,7 @@ impl Watch {
         }
         // Several errors can end at the same time.
         let is_reset = bytes[..2] == [0, 0];
-        // A device with one code for all errors sends the same message for two of them.
+        // A device with one code for all errors sends the same message for two of these errors.
         let is_generic = bytes[..2] == EmcyCode::GENERIC.0.to_le_bytes();
         let repeated = !is_reset
             && !is_generic

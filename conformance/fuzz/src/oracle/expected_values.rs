@@ -1,4 +1,4 @@
-//! The expected values of the device's objects, as far as its own answers tell.
+//! The expected values of the device's objects, as far as the device's own answers determine them.
 
 use crate::Knowledge;
 use canvass_analyzer::object;
@@ -10,7 +10,7 @@ pub(super) struct ExpectedValues {
     values: Vec<Held>,
     /// Number of confirmed writes. A value that was read before the last write may have changed with it.
     writes: u32,
-    /// The value that is being read may change during the read.
+    /// Whether the value that is being read may change during the read.
     suspended: bool,
     /// A number that increases with each change of the expected behaviour of PDOs.
     version: u64,
@@ -30,7 +30,7 @@ struct Held {
     raw: Option<u64>,
     /// The value of [`ExpectedValues::writes`] when this value was learned.
     since: u32,
-    /// The value was restored by a reset.
+    /// Whether the value was restored by a reset.
     by_reset: bool,
 }
 
@@ -62,7 +62,7 @@ impl ExpectedValues {
         expected_values
     }
 
-    /// Sets all values to those after power-on.
+    /// Sets all values to the power-on values.
     pub fn power_on(&mut self, knowledge: &Knowledge) {
         self.writes = 0;
         self.suspended = false;
@@ -121,7 +121,7 @@ impl ExpectedValues {
         self.values.get(found)?.raw
     }
 
-    /// The value that a read has to return now, because nothing was written since it was learned.
+    /// The value that a read has to return now, because nothing was written since the value was learned.
     pub fn certain(&self, entry: usize) -> Option<u64> {
         let held = self.values.get(entry).filter(|held| held.since == self.writes && !self.suspended);
         held.and_then(|held| held.raw)
@@ -193,7 +193,7 @@ impl ExpectedValues {
         }
     }
 
-    /// Records that an object has another value after a start than its power-on value.
+    /// Records that an object holds `raw` after a start instead of its power-on value.
     pub fn holds(&mut self, knowledge: &Knowledge, at: Multiplexer, raw: u64) {
         if let Some(entry) = knowledge.position(at) {
             self.read(knowledge, entry, raw);
@@ -225,8 +225,8 @@ impl ExpectedValues {
         self.change.take()
     }
 
-    /// Whether node-ID, bit rate or stored values were changed or may have been. The values after the next reset are
-    /// then unknown.
+    /// Whether node-ID, bit rate or stored values were changed, or may have been changed. The values after the next
+    /// reset are then unknown.
     pub(crate) fn bus_changed(&self) -> bool {
         self.bus_changed
     }
@@ -237,7 +237,7 @@ impl ExpectedValues {
             .is_some_and(|(at, _)| matches!(at.index.0, object::STORE_PARAMETERS | object::RESTORE_DEFAULT_PARAMETERS))
     }
 
-    /// Whether the identifier is that of SYNC: 080h if 1005h is not known.
+    /// Whether the identifier belongs to SYNC: 080h if 1005h is not known.
     pub(crate) fn is_sync(&self, can_id: u16) -> bool {
         u64::from(can_id) == self.sync.unwrap_or(0x80) & 0x7FF
     }
@@ -247,7 +247,7 @@ impl ExpectedValues {
         self.sync.is_some_and(|raw| raw >> 30 & 1 != 0)
     }
 
-    /// Whether the identifier is that of the device's EMCY.
+    /// Whether the identifier belongs to the device's EMCY.
     pub(crate) fn is_emcy(&self, can_id: u16, node: NodeId) -> bool {
         let predefined = 0x80 + u64::from(node.raw());
         match self.emcy {
@@ -256,9 +256,9 @@ impl ExpectedValues {
         }
     }
 
-    /// Whether the device may delay or omit the EMCY of an error. It may if it has no EMCY, if EMCY is off, has an
-    /// inhibit time or is not known, or if the device monitors other nodes, whose loss it need not report (CiA 301,
-    /// 7.2.8.2.2).
+    /// Whether the device may delay or omit the EMCY of an error. There are several reasons: the device has no EMCY;
+    /// EMCY is off, has an inhibit time or is not known; or the device monitors other nodes, whose loss it need not
+    /// report (CiA 301, 7.2.8.2.2).
     pub(crate) fn errs_silently(&self, knowledge: &Knowledge) -> bool {
         if !self.has_emcy_object || self.watches(knowledge) {
             return true;

@@ -84,7 +84,7 @@ impl InOrder {
     pub const NONE: Self = Self { strictly: Some(0), with_others: Some(0) };
     pub const UNKNOWN: Self = Self { strictly: None, with_others: None };
 
-    /// A part or bound came, which fits or does not.
+    /// Records a part or bound that came. `fits`: it matches the slave's address.
     pub fn came(&mut self, which: impl Numbered, fits: bool) {
         let position = which.position();
         if fits && Some(position) == self.with_others {
@@ -94,13 +94,13 @@ impl InOrder {
             _ if position == 0 && fits => Some(1),
             Some(matched) if matched == position => Some(if fits { matched + 1 } else { 0 }),
             None => None,
-            // A repeated part, or one out of order, may count or begin an address anew.
+            // A repeated part, or a part out of order, may count or begin an address anew.
             Some(matched) if fits && matched > 0 => None,
             Some(_) => Some(0),
         };
     }
 
-    /// The last part came. Returns whether all parts have matched, if that is known.
+    /// Records that the last part came. Returns whether all parts have matched; `None`: not known.
     pub fn end<N: Numbered>(&mut self) -> Option<bool> {
         let among_others = self.with_others.is_none_or(|matched| matched == N::ALL.len());
         if self.with_others == Some(N::ALL.len()) {
@@ -112,7 +112,7 @@ impl InOrder {
         }
     }
 
-    /// Whether some parts have matched since the last one that did not.
+    /// Whether some parts have matched since the last part that did not match.
     pub fn has_begun(self) -> bool {
         self.strictly.is_some_and(|matched| matched > 0)
     }
@@ -178,7 +178,7 @@ impl<D: Dialect, O: Options<D>> LayerSetting<D, O> {
         };
     }
 
-    /// Applies a bound of "identify remote slave", which fits or does not.
+    /// Applies a bound of "identify remote slave". `fits`: the bound includes the slave's own value.
     pub fn identify(&mut self, bound: D::Bound, fits: bool) -> Awaited<D, O> {
         self.identified.came(bound, fits);
         if !bound.is_last() {
@@ -228,7 +228,8 @@ impl<D: Dialect, O: Options<D>> LayerSetting<D, O> {
         self.lately[0] = Request::read(frame.data()).ok().map(|request| (request, self.rule, self.property));
     }
 
-    /// Silence has lasted long enough, so no earlier request will be answered, except one that may take its time.
+    /// Handles the end of the required silence: the slave answers no earlier request any more, except one whose answer
+    /// takes long.
     pub fn quiet(&mut self, now: Timestamp) {
         if self.owed.is_some_and(|(_, until)| now < until) {
             return;
@@ -273,7 +274,7 @@ impl<D: Dialect, O: Options<D>> LayerSetting<D, O> {
             self.owed = None;
         }
         if fits {
-            // Requests before the answered one are not answered any more.
+            // Requests before the answered request are not answered any more.
             self.lately[answered.unwrap_or(LATELY)..].fill(None);
             return Ok(());
         }
@@ -321,8 +322,8 @@ pub(super) fn includes<D: Dialect>(limit: Limit, bound: D::Value, own: D::Value)
     }
 }
 
-/// Whether the actual response is the expected one. A device may report an error by code 1, or by 255 with a code of
-/// the manufacturer.
+/// Whether the actual response is the expected response. A device may report an error by code 1, or by 255 with a code
+/// of the manufacturer.
 fn same<D: Dialect>(expected: Response<D>, actual: Response<D>) -> bool {
     match (expected, actual) {
         (
@@ -386,7 +387,8 @@ mod tests {
         assert_eq!(rule_of(&mut at, Response::Switched), "inquire node-ID");
     }
 
-    /// Feeds parts of the own address or of others one after the other. Returns whether the slave is then addressed.
+    /// Feeds parts of the slave's own address or of other addresses one after the other. Returns whether the slave is
+    /// then addressed.
     #[test]
     fn parts_of_others_leave_open_whether_the_address_goes_on() {
         let end = |parts: &[(Part, bool)]| {

@@ -40,18 +40,18 @@ impl Slave {
         Self { at: LayerSetting::new(Mode::Waiting), serial: None }
     }
 
-    /// The device was switched on.
+    /// Handles power-on of the device.
     pub const fn start(&mut self) {
         self.at = LayerSetting::new(Mode::Waiting);
     }
 
-    /// The NMT slave was reset. The standard leaves open whether LMT keeps its mode.
+    /// Handles a reset of the NMT slave. The standard leaves open whether LMT keeps its mode.
     pub const fn reset_communication(&mut self) {
         self.at = LayerSetting::new(Mode::Unsure);
         self.at.awaited = Awaited::Anything;
     }
 
-    /// The slave is in operation mode. The progress of addressing is not known.
+    /// Continues with the slave in operation mode. The progress of addressing is not known.
     pub fn go_on(&mut self) {
         self.at = LayerSetting::new(Mode::Waiting);
         (self.at.selected, self.at.identified) = (InOrder::UNKNOWN, InOrder::UNKNOWN);
@@ -95,7 +95,7 @@ impl Slave {
         Awaited::Nothing
     }
 
-    /// All three parts have to be equal, in order. A successful selection is not answered either.
+    /// All three parts have to equal the slave's own values, in order. A successful selection is not answered either.
     fn select(&mut self, part: Part, value: Seven, knowledge: &Knowledge) -> Awaited {
         self.at.rule = "switch mode selective";
         if self.at.mode == Mode::Configuration {
@@ -127,7 +127,7 @@ impl Slave {
         }
     }
 
-    /// The names have to be equal, and the serial number within the bounds.
+    /// The names have to equal the slave's own names, and the serial number has to be within the bounds.
     fn identify(&mut self, bound: Bound, value: Seven, knowledge: &Knowledge) -> Awaited {
         self.at.rule = "identify remote slave";
         let (part, limit) = Lmt::limits(bound);

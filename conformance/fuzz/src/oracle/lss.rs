@@ -36,15 +36,15 @@ pub(super) enum OneOf {
 #[derive(Clone, Debug)]
 pub(super) struct Slave {
     pub at: LayerSetting<Lss, OneOf>,
-    /// The device has no active node-ID.
+    /// Whether the device has no active node-ID.
     unconfigured: bool,
     pending: Option<u8>,
-    /// The device began without node-ID and was given one, which a reset may take away again.
+    /// Whether the device began without node-ID and was given one, which a reset may take away again.
     given: bool,
     timing_changed: bool,
     /// The part that Fastscan compares. `None`: Fastscan has not begun, or the part is not known.
     scanning: Option<u8>,
-    /// Until this time an answer may come that was on its way at a reset.
+    /// The time until which an answer that was on its way at a reset may come.
     grace: Timestamp,
 }
 
@@ -65,8 +65,8 @@ impl Slave {
         *self = Self { unconfigured: start == Start::Unconfigured, ..Self::new() };
     }
 
-    /// The NMT slave was reset. The standard leaves open whether LSS keeps its state. An answer that was due may have
-    /// been on its way and come until `grace`.
+    /// Handles a reset of the NMT slave. The standard leaves open whether LSS keeps its state. An answer that was due
+    /// may have been on its way and come until `grace`.
     pub fn reset_communication(&mut self, grace: Timestamp) {
         let grace = if self.at.awaited == Awaited::Nothing { Timestamp::ZERO } else { grace };
         let at = LayerSetting::new(Mode::Unsure);
@@ -97,7 +97,7 @@ impl Slave {
         self.pending.is_none() && !self.given && !self.timing_changed
     }
 
-    /// The slave is in waiting state. The progress of addressing is not known.
+    /// Continues with the slave in waiting state. The progress of addressing is not known.
     pub fn go_on(&mut self) {
         *self = Self { unconfigured: self.unconfigured, ..Self::new() };
         (self.at.selected, self.at.identified) = (InOrder::UNKNOWN, InOrder::UNKNOWN);
@@ -172,7 +172,7 @@ impl Slave {
     fn only_if(&self, condition: bool, response: Response) -> Awaited {
         match (condition, self.pending) {
             (true, _) => Awaited::Exactly(response),
-            // CiA 305 leaves open what a pending node-ID means for a device that has no active one.
+            // CiA 305 leaves open what a pending node-ID means for a device that has no active node-ID.
             (false, Some(_)) => Awaited::Anything,
             (false, None) => Awaited::Nothing,
         }
@@ -205,7 +205,8 @@ impl Slave {
         }
     }
 
-    /// All four parts have to be equal, in order. Some slaves accept another order if the serial number comes last.
+    /// All four parts have to equal the slave's own values, in order. Some slaves accept another order if the serial
+    /// number comes last.
     fn select(&mut self, part: Part, value: u32, knowledge: &Knowledge) -> Awaited {
         self.at.rule = "switch state selective";
         let Some(address) = knowledge.address else { return Awaited::Anything };
@@ -244,7 +245,7 @@ impl Slave {
             return Awaited::Nothing;
         }
         if self.at.mode == Mode::Unsure || self.pending.is_some() {
-            // The scan may have begun, gone on or neither.
+            // The scan may have begun or gone on, or neither.
             self.scanning = None;
             return Awaited::Anything;
         }

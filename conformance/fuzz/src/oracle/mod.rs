@@ -1,7 +1,7 @@
 //! Reference models of a CANopen device: the frames that it must, may and must not send.
 //!
 //! The models are written from the standard and share no code with the simulated device, because an oracle that shares
-//! code with a device shares its mistakes. Each service has a file; this one passes each frame to its service. If the
+//! code with a device shares its mistakes. Each service has a file; this file passes each frame to its service. If the
 //! standard leaves a choice, every choice is right. After a frame that the standard does not describe, a model judges
 //! nothing until it knows the state again.
 
@@ -36,19 +36,20 @@ use std::sync::Arc;
 pub struct Violation {
     /// The violated property.
     pub property: Property,
-    /// The violated rule, or the state of the device. Property and rule together distinguish violations.
+    /// The violated rule, or the state of the device. Property and rule together distinguish violations from each
+    /// other.
     pub rule: &'static str,
     /// The required behaviour.
     pub expected: String,
     /// The actual behaviour.
     pub actual: String,
-    /// The device was silent although an answer was due.
+    /// Whether the device was silent although an answer was due.
     pub is_silence: bool,
     /// The time of the violation.
     pub at: Timestamp,
 }
 
-/// Frames at this distance leave no room for other frames.
+/// Frames whose distance is smaller than this leave no room for other frames between them.
 const BURST: Duration = Duration::from_millis(2);
 
 /// The reference models of one device.
@@ -64,7 +65,7 @@ pub(crate) struct Oracle {
     emcy: emcy::Watch,
     /// The time of the last frame of another node.
     passed: Timestamp,
-    /// A frame had an effect that the models don't follow. Nothing is judged until the next start.
+    /// Whether a frame had an effect that the models don't follow. If so, nothing is judged until the next start.
     blind: bool,
 }
 
@@ -85,7 +86,7 @@ impl Oracle {
         }
     }
 
-    /// The device has just started as `start` says.
+    /// Handles a start of the device in the state `start`.
     pub fn start(&mut self, now: Timestamp, start: Start) {
         self.expected_values.power_on(&self.knowledge);
         self.nmt.start(now, start);
@@ -97,7 +98,7 @@ impl Oracle {
         self.blind = false;
     }
 
-    /// A frame of the fuzzer was on the bus; it ended at `now`.
+    /// Applies a frame of the fuzzer whose transmission ended at `now`.
     ///
     /// # Errors
     /// [`Violation`] if an answer that was due before has not come.
@@ -141,7 +142,7 @@ impl Oracle {
                 self.blind |= lost;
                 Ok(())
             }
-            // A producer of SYNC need not accept the SYNC of another one.
+            // A producer of SYNC need not accept the SYNC of another producer.
             id if self.expected_values.is_sync(id) && self.expected_values.produces_sync() => {
                 self.pdo.synchronises_itself();
                 Ok(())
@@ -201,19 +202,20 @@ impl Oracle {
         Ok(())
     }
 
-    /// Time during which an SDO response may come that was already on its way.
+    /// Time during which an SDO response that was already on its way may come.
     fn late(&self) -> Duration {
         self.nmt.grace().max(self.knowledge.patience.quiet)
     }
 
-    /// A device whose EMCY is off or delayed may leave operational on an error without reporting it.
+    /// Allows for an error without a report: a device whose EMCY is off or delayed may leave operational because of the
+    /// error.
     fn doubt(&mut self, now: Timestamp) {
         if self.nmt.phase() == nmt::Phase::Operational && self.expected_values.errs_silently(&self.knowledge) {
             self.nmt.doubt(now);
         }
     }
 
-    /// A frame of the device was on the bus; it ended at `now`.
+    /// Checks a frame of the device whose transmission ended at `now`.
     ///
     /// # Errors
     /// [`Violation`] if the device must not send it.
@@ -300,7 +302,7 @@ impl Oracle {
     }
 
     fn emcy_came(&mut self, now: Timestamp, can_id: u16, frame: &Frame) -> Result<(), Violation> {
-        // If a PDO has the identifier of EMCY, or is just being given it, the two can't be distinguished.
+        // If a PDO has the identifier of EMCY, or is just being configured to it, PDO and EMCY can't be distinguished.
         let shares = self.pdo.shares(now, can_id, &self.expected_values, &self.knowledge);
         let judged = self.emcy.came(now, frame, &self.nmt);
         if !shares && !self.sdo.is_writing() {
@@ -313,7 +315,7 @@ impl Oracle {
         Ok(())
     }
 
-    /// Frames of other nodes without a pause delay the frames of the device.
+    /// Handles a frame of another node. Such frames without a pause between them delay the frames of the device.
     fn passed_by(&mut self, now: Timestamp) {
         if now.since(self.passed) < BURST {
             self.nmt.held_up(now);
@@ -322,7 +324,7 @@ impl Oracle {
         self.passed = now;
     }
 
-    /// When the earliest outstanding answer is overdue; `None` if none is outstanding.
+    /// The time at which the earliest outstanding answer is overdue; `None` if no answer is outstanding.
     pub fn due(&self) -> Option<Timestamp> {
         if self.blind {
             return None;
@@ -368,7 +370,7 @@ impl Oracle {
         !self.blind && self.sdo.is_open()
     }
 
-    /// Whether the standard leaves open that any service answers the last frame.
+    /// Whether the last frame has an optional answer of any service: the standard leaves open whether it comes.
     pub(crate) fn may_be_answered(&self) -> bool {
         !self.blind && (self.sdo.is_open() || self.lss.at.is_open() || self.lmt.at.is_open())
     }
@@ -407,8 +409,8 @@ impl Oracle {
         !self.blind && runs && settled && !self.expected_values.bus_changed()
     }
 
-    /// The device was brought to pre-operational without a reset. No transfer is under way, LSS is in waiting state,
-    /// and the objects have their power-on values. Everything else is unknown.
+    /// Continues with a device that was brought to pre-operational without a reset. No transfer is under way, LSS is in
+    /// waiting state, and the objects have their power-on values. Everything else is unknown.
     pub fn go_on(&mut self, now: Timestamp) {
         self.expected_values.power_on(&self.knowledge);
         self.nmt.go_on(now);
@@ -439,12 +441,12 @@ impl Oracle {
         wait.into_iter().chain(wake)
     }
 
-    /// An object keeps this value, though a start should have restored another one.
+    /// Records that an object keeps this value, although the start should have restored another value.
     pub fn holds(&mut self, at: Multiplexer, value: u64) {
         self.expected_values.holds(&self.knowledge, at, value);
     }
 
-    /// Silence has lasted long enough, so no answer is under way any more.
+    /// Handles the end of the required silence: no answer is under way any more.
     pub fn quiet(&mut self, now: Timestamp) {
         self.nmt.quiet();
         self.sdo.quiet();
@@ -452,7 +454,7 @@ impl Oracle {
         self.lmt.at.quiet(now);
     }
 
-    /// Checks at the end of a sequence what can be judged only over time, such as periods.
+    /// Checks at the end of a sequence the behaviour that can be judged only over time, such as periods.
     ///
     /// # Errors
     /// [`Violation`] if a periodic message was missing.
@@ -489,7 +491,7 @@ pub(crate) enum Served {
     Unsure,
 }
 
-/// An answer that was due has not come by `at`.
+/// The violation by an answer that was due and has not come by `at`.
 fn silence(property: Property, rule: &'static str, expected: impl Into<String>, at: Timestamp) -> Violation {
     Violation { is_silence: true, ..violation(property, rule, expected, "no answer", at) }
 }
@@ -512,7 +514,8 @@ mod tests {
     use canvass_device::models::Model;
     use canvass_traces::parse_frame;
 
-    /// A device with a lasting error is reset twice: the report of its first start is under way when the second reset comes.
+    /// A device with a lasting error is reset twice: the report of its first start is under way when the second reset
+    /// comes.
     #[test]
     fn each_start_may_report_the_same_error() {
         let model = Model::by_id("reference-301").unwrap();

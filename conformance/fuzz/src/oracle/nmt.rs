@@ -32,8 +32,8 @@ pub(crate) enum Phase {
     Unsure,
 }
 
-/// Number of sub-indexes of 1029h that are read: the communication error, and the errors of device profile and
-/// manufacturer.
+/// Number of sub-indexes of 1029h that the model reads: 1 for communication errors, the others for errors of the device
+/// profile and the manufacturer.
 const ERROR_CLASSES: u8 = 16;
 
 /// The change that a frame caused.
@@ -64,7 +64,7 @@ pub(crate) struct Slave {
     last_heartbeat: Option<Timestamp>,
     /// The time of the last command before the boot-up message.
     commanded_early: Timestamp,
-    /// The last heartbeat may have waited for the bus.
+    /// Whether the last heartbeat may have waited for the bus.
     waited: bool,
     /// A train of frames without a pause, of the device or the fuzzer: the end of its first and of its last frame.
     train: (Timestamp, Timestamp),
@@ -77,9 +77,9 @@ pub(crate) struct Slave {
     jitter: Duration,
     /// Time after a command during which earlier frames may still come.
     grace: Duration,
-    /// The device sends a boot-up message.
+    /// Whether the device sends a boot-up message.
     announces: bool,
-    /// A command came while the device may still have been booting.
+    /// Whether a command came while the device may still have been booting.
     early: bool,
 }
 
@@ -108,7 +108,7 @@ impl Slave {
         }
     }
 
-    /// The device has booted, or waits for a node-ID.
+    /// Handles a start: the device has booted, or waits for a node-ID.
     pub fn start(&mut self, now: Timestamp, start: Start) {
         *self = Self::new(self.jitter, self.announces);
         self.phase = match start {
@@ -118,7 +118,7 @@ impl Slave {
         self.changed = now;
     }
 
-    /// The device was commanded from any state to pre-operational a moment ago.
+    /// Continues with a device that was just commanded from any state to pre-operational.
     pub fn go_on(&mut self, now: Timestamp) {
         *self = Self::new(self.jitter, self.announces);
         (self.before, self.phase) = (Phase::Operational, Phase::PreOperational);
@@ -184,7 +184,7 @@ impl Slave {
         Change::State
     }
 
-    /// The device starts booting with a node-ID.
+    /// Records that the device, which has a node-ID, starts booting.
     pub fn boots(&mut self, now: Timestamp, knowledge: &Knowledge) {
         self.enter(now, Phase::Booting);
         self.changed = now;
@@ -281,7 +281,7 @@ impl Slave {
     /// Checks whether the device may send anything but error control now.
     ///
     /// # Errors
-    /// [`Violation`] if it must not.
+    /// [`Violation`] if the device must not send the frame.
     pub(crate) fn may_speak(&self, now: Timestamp, frame: &Frame, knowledge: &Knowledge) -> Result<(), Violation> {
         let silent = match self.phase {
             Phase::Unconfigured => true,
@@ -358,7 +358,7 @@ impl Slave {
             return Err(violation(Property::NmtState, "boot-up message", expected, actual, now));
         }
         self.boot_due = Timestamp::MAX;
-        // A command may have been obeyed that came while the boot-up message waited for the bus.
+        // The device may have obeyed a command that came while the boot-up message waited for the bus.
         let commanded_early = self.commanded_early > Timestamp::ZERO && now < self.commanded_early + self.grace;
         Ok(self.enter(now, if commanded_early { Phase::Unsure } else { Phase::Running }))
     }
@@ -379,8 +379,8 @@ impl Slave {
         }
     }
 
-    /// The device has reported an error, and 1029h determines its next state. Sub-index 1 is for communication errors.
-    /// The device decides which class any other error belongs to.
+    /// Handles an error that the device has reported: 1029h determines the next state. Sub-index 1 is for communication
+    /// errors. The device decides which class any other error belongs to.
     pub(crate) fn erred(
         &mut self,
         now: Timestamp,
@@ -408,14 +408,14 @@ impl Slave {
         if stays && !leaves { Change::None } else { self.enter(now, Phase::Running) }
     }
 
-    /// The device may leave operational by itself.
+    /// Records that the device may have left operational by itself.
     pub fn doubt(&mut self, now: Timestamp) {
         if self.phase == Phase::Operational {
             self.enter(now, Phase::Running);
         }
     }
 
-    /// The bus was full until `now`.
+    /// Records that the bus was full until `now`.
     pub(crate) fn held_up(&mut self, now: Timestamp) {
         if self.may_be_old(now) {
             self.old_until = now + self.grace;
@@ -436,7 +436,7 @@ impl Slave {
         self.train.0 <= due && now.since(self.train.1) <= self.jitter
     }
 
-    /// Silence has lasted long enough, so no earlier guarding request will be answered.
+    /// Handles the end of the required silence: the device answers no earlier guarding request any more.
     pub const fn quiet(&mut self) {
         self.guard_open = 0;
     }
@@ -476,7 +476,7 @@ impl Slave {
         // A heartbeat may come early after a change of state.
         let late =
             actual.nanos() > period.nanos() + tolerance.nanos() && !self.is_behind(now, since + period + tolerance);
-        // The next heartbeat after a delayed one comes in time.
+        // The next heartbeat after a delayed heartbeat comes in time.
         let is_long = period > self.jitter.times(20);
         let early = !std::mem::take(&mut self.waited)
             && is_long
@@ -518,8 +518,8 @@ impl Slave {
         now < (self.changed + self.grace).max(self.old_until)
     }
 
-    /// Whether this guarding answer shows the state after the last command. It does if the request came so long after
-    /// the command that earlier answers would have come, and if no other guarding request is open.
+    /// Whether this guarding answer shows the state after the last command. The request must have come so long after
+    /// the command that earlier answers would have come before, and no other guarding request may be open.
     fn is_fresh(&self, now: Timestamp, knowledge: &Knowledge) -> bool {
         self.guard_open == 1 && self.guarded >= self.changed + knowledge.patience.quiet && now >= self.old_until
     }
@@ -556,7 +556,7 @@ impl Slave {
     /// Checks whether heartbeats are missing.
     ///
     /// # Errors
-    /// [`Violation`] if they are.
+    /// [`Violation`] if heartbeats are missing.
     pub fn finish(
         &mut self,
         now: Timestamp,

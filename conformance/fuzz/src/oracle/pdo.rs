@@ -10,7 +10,7 @@ use canvass_analyzer::object;
 use canvass_analyzer::{CobId, Multiplexer};
 use canvass_traces::{Duration, Frame, Timestamp};
 
-/// The occurrences of one TPDO.
+/// The transmissions of one TPDO.
 #[derive(Clone, Debug)]
 struct Seen {
     /// The index of the TPDO's communication parameters.
@@ -20,17 +20,18 @@ struct Seen {
     since: Timestamp,
     /// The SYNC messages since the last change.
     count: SyncCount,
-    /// A SYNC came while the device may have been operational.
+    /// Whether a SYNC came while the device may have been operational.
     heard: bool,
     /// Number of SYNC messages and remote frames that may still be answered.
     open: u8,
     /// The time at which the answer to a SYNC or remote frame is overdue.
     due: Timestamp,
-    /// The next PDO may be later by this time, because an inhibit time from before its change may still run.
+    /// The next PDO may be later by this time, because an inhibit time from before a change of the configuration may
+    /// still run.
     lag: Duration,
-    /// The bus was full for a while since the last PDO.
+    /// Whether the bus was full for a while since the last PDO.
     held_up: bool,
-    /// The PDO is due by a remote frame, not by a SYNC.
+    /// Whether a remote frame, not a SYNC, makes the PDO due.
     remote: bool,
     /// The configuration at [`Pdos::version`].
     parameters: Parameters,
@@ -99,7 +100,7 @@ impl Pdos {
         self.seen.iter().map(|seen| seen.due).min().filter(|due| *due < Timestamp::MAX)
     }
 
-    /// The NMT state has changed. Timers and counters begin anew.
+    /// Handles a change of the NMT state: timers and counters begin anew.
     pub(crate) fn state_changed(&mut self, now: Timestamp, nmt: &Slave) {
         let from_rest = nmt.comes_from_rest();
         for seen in &mut self.seen {
@@ -111,8 +112,8 @@ impl Pdos {
         }
     }
 
-    /// The device goes on in pre-operational with its power-on configuration. The state of timers and counters is not
-    /// known.
+    /// Continues with the device in pre-operational with its power-on configuration. The state of timers and counters
+    /// is not known.
     pub fn go_on(&mut self, now: Timestamp) {
         self.reset();
         for seen in &mut self.seen {
@@ -121,11 +122,11 @@ impl Pdos {
         }
     }
 
-    /// An object was written.
+    /// Handles a write to an object.
     pub fn configured(&mut self, now: Timestamp, (at, _): (Multiplexer, u64)) {
         let communication = (0x1000..0x1400).contains(&at.index.0);
         for seen in &mut self.seen {
-            // A device may restart all PDOs when one is configured, or let the others go on.
+            // A device may restart all PDOs when one of them is configured, or let the other PDOs continue.
             if !communication {
                 let in_step = seen.count.is_in_step() && !seen.heard;
                 seen.begin(now);
@@ -194,7 +195,7 @@ impl Pdos {
         }
     }
 
-    /// The bus was full until `now`.
+    /// Records that the bus was full until `now`.
     pub(crate) fn held_up(&mut self, now: Timestamp) {
         for seen in &mut self.seen {
             (seen.last, seen.since) = (None, now);
@@ -289,7 +290,7 @@ impl Pdos {
     /// Checks whether cyclic PDOs are missing.
     ///
     /// # Errors
-    /// [`Violation`] if they are.
+    /// [`Violation`] if cyclic PDOs are missing.
     pub fn finish(
         &mut self,
         now: Timestamp,
@@ -358,7 +359,7 @@ impl Seen {
         }
         if let Some(len) = parameters.length
             && frame.len() != len
-            // Type 252 sends the data of the last SYNC, maybe from before the configuration.
+            // A TPDO of type 252 contains the data of the last SYNC, which may have come before the configuration.
             && parameters.transmission != Some(252)
             && !(frame.len() == 8 && knowledge.services.padded_tpdos.contains(&(self.index - 0x17FF)))
             && now.since(self.since) > jitter
@@ -384,11 +385,11 @@ impl Seen {
             return wrong("synchronous TPDO", expected, actual);
         }
         if std::mem::take(&mut self.held_up) {
-            // The PDO waited for the bus; the next one may come in time and thus too soon after it.
+            // The PDO waited for the bus; the next PDO may come in time, and thus too soon after this PDO.
             (self.last, self.since) = (None, now);
         }
         if asked {
-            // The answer to a remote frame keeps no period, and the next PDO keeps none to it.
+            // The answer to a remote frame follows no period, and neither does the time from it to the next PDO.
             (self.last, self.since) = (None, now);
         }
         let Some(last) = last else { return Ok(()) };
@@ -410,7 +411,7 @@ impl Seen {
 }
 
 /// Time within which a synchronous TPDO has to follow its SYNC if 1007h sets no window. No clause limits this time; the
-/// test cases use the same.
+/// test cases use the same limit.
 const LONGEST_SYNC_DELAY: Duration = Duration::from_millis(500);
 
 /// The maximum time between two cyclic PDOs.
@@ -426,9 +427,9 @@ struct Parameters {
     inhibit: Option<Duration>,
     event_timer: Option<Duration>,
     start_value: u64,
-    /// The synchronous window has no end.
+    /// Whether the synchronous window has no end.
     open_window: bool,
-    /// Whether an object is mapped. A PDO without one is not sent.
+    /// Whether an object is mapped. A PDO without mapped objects is not sent.
     mapped: bool,
     /// The length of all mapped objects in bytes.
     length: Option<usize>,

@@ -67,8 +67,9 @@ pub(super) fn refusal(
     }
 }
 
-/// The signatures "save" and "load", little-endian.
+/// The signature "save", little-endian.
 const SAVE: u64 = 0x6576_6173;
+/// The signature "load", little-endian.
 const LOAD: u64 = 0x6461_6F6C;
 
 /// Bit 30 of 1005h and 1012h: the device produces SYNC or TIME.
@@ -89,7 +90,7 @@ fn in_use(
     changes.then_some((codes::REFUSED, "the CAN-ID changes only while it is not in use"))
 }
 
-/// Refuses another identifier while the old one is valid. Bit 31 marks an identifier as invalid.
+/// Refuses another identifier while the old identifier is valid. Bit 31 marks an identifier as invalid.
 fn while_valid(at: Multiplexer, raw: u64, knowledge: &Knowledge, expected_values: &ExpectedValues) -> Option<Refusal> {
     let (old, new) = (CobId(expected_values.number(knowledge, at.index.0, at.sub.0)? as u32), CobId(raw as u32));
     let changes = old.is_valid() && new.is_valid() && old.can_id() != new.can_id();

@@ -1,4 +1,4 @@
-//! A model of the device's RPDOs: which frames of the fuzzer write objects, and their values then.
+//! A model of the device's RPDOs: the frames of the fuzzer that write objects, and the values that they write.
 
 use super::expected_values::ExpectedValues;
 use super::nmt::Slave;
@@ -8,7 +8,7 @@ use canvass_analyzer::{CobId, Multiplexer};
 use canvass_traces::{Frame, Timestamp};
 
 /// Applies a data frame of the fuzzer that belongs to no other service. `writing`: an object is being written, so that
-/// the configuration may differ from the expected one.
+/// the configuration may differ from the expected configuration.
 pub(super) fn received(
     now: Timestamp,
     frame: &Frame,
@@ -22,7 +22,7 @@ pub(super) fn received(
     for &index in &knowledge.rpdos {
         match expected_values.number(knowledge, index, 1).map(|raw| CobId(raw as u32)) {
             Some(cob_id) if !cob_id.is_valid() || cob_id.can_id() != u32::from(can_id) => {}
-            // Nobody knows which of several RPDOs the frame is, or whether it is one.
+            // The frame may belong to any of several RPDOs, or to none.
             Some(_) if own.is_none() => own = Some(index),
             _ => return expected_values.forget_outputs(),
         }

@@ -1,7 +1,8 @@
 //! The SYNC count of a synchronous TPDO: the TPDO follows every n-th SYNC, from any start of the count, after some
 //! time.
 
-/// The SYNC messages since the PDO was started or configured, and the range of those that may cause the next TPDO.
+/// The SYNC messages since the PDO was started or configured, and the range of SYNC messages that may cause the next
+/// TPDO.
 ///
 /// CiA 301 (7.2.2.2, 7.5.2.37) says that a TPDO of transmission type n follows every n-th SYNC. It does not say with
 /// which of the first n SYNC messages the TPDO begins, nor how long after a SYNC it comes if 1007h sets no window. So a
@@ -10,9 +11,10 @@
 pub(super) struct SyncCount {
     /// Number of SYNC messages since the beginning.
     syncs: u64,
-    /// The first and the last SYNC that may cause the next TPDO. `None` before the first TPDO.
+    /// The first and the last SYNC that may cause the next TPDO, by their numbers. `None` before the first TPDO.
     next: Option<(u64, u64)>,
-    /// Whether the device has counted the same SYNC messages. A SYNC that it may have ignored leaves this open.
+    /// Whether the device has certainly counted the same SYNC messages as the model. A SYNC that the device may have
+    /// ignored ends this certainty.
     in_step: bool,
 }
 
@@ -21,7 +23,7 @@ impl SyncCount {
         Self { syncs: 0, next: None, in_step: true }
     }
 
-    /// Whether the device has certainly counted the same SYNC messages.
+    /// Whether the device has certainly counted the same SYNC messages as the model.
     pub(crate) const fn is_in_step(&self) -> bool {
         self.in_step
     }
@@ -31,7 +33,7 @@ impl SyncCount {
         self.in_step = false;
     }
 
-    /// Counts a SYNC. `true`: it is the last one that may cause the TPDO of transmission type `kind`.
+    /// Counts a SYNC. `true`: it is the last SYNC that may cause the TPDO of transmission type `kind`.
     pub fn sync(&mut self, kind: u8) -> bool {
         self.syncs += 1;
         let (_, last) = self.next.unwrap_or((1, kind.into()));
@@ -50,7 +52,7 @@ impl SyncCount {
             return !self.in_step;
         }
         let kind = u64::from(kind);
-        // If a second TPDO could already have been due, this one may stand for both.
+        // If a second TPDO could already have been due, this TPDO may stand for both.
         let last = if first + kind <= self.syncs { self.syncs } else { last.min(self.syncs) };
         self.next = Some((first + kind, last + kind));
         true
@@ -61,8 +63,8 @@ impl SyncCount {
 mod tests {
     use super::SyncCount;
 
-    /// Counts SYNC messages and the TPDOs sent after the given ones. Returns the number of the first SYNC at which
-    /// something is wrong.
+    /// Counts SYNC messages, and the TPDOs sent after the messages with the numbers `sent`. Returns the number of the
+    /// first SYNC at which something is wrong.
     fn wrong_at(kind: u8, sent: &[u64], syncs: u64) -> Option<u64> {
         let mut count = SyncCount::new();
         let mut due = None;

@@ -10,7 +10,7 @@ pub(super) const UNCONFIGURED: &str = "# start: without node-ID";
 /// Comment with the wait after the last frame, which no time stamp contains: a number and `ms`.
 const LAST_WAIT: &str = "# end: after ";
 
-/// Maximum wait after the last frame in ms. No reproducer needs a longer one.
+/// Maximum wait after the last frame in ms. No reproducer needs a longer wait.
 const LONGEST_WAIT: u64 = 60_000;
 
 /// The frames of a sequence as a candump log, for `canplayer` and `canvass fuzz --replay`. The time stamps say when to
@@ -130,7 +130,7 @@ mod tests {
         fn logs_are_replayed_as_they_were(steps in proptest::collection::vec((frame(), then()), 1..20)) {
             let mut stimuli: Vec<Stimulus> =
                 steps.into_iter().map(|(frame, then)| Stimulus { frame, then }).collect();
-            // The device always gets its time after the last frame.
+            // The device always gets time to answer the last frame.
             if let Some(last) = stimuli.last_mut() {
                 last.then = Then::Settle;
             }

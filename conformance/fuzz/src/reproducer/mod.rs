@@ -9,7 +9,7 @@
 //! (0000000000.100000) can0 601#1000000000000000
 //! ```
 //!
-//! `canplayer` and readers of candump logs read only the frames of it.
+//! `canplayer` and readers of candump logs read only the frames of such a file.
 
 mod candump;
 mod rust_test;

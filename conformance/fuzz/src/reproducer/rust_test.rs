@@ -6,7 +6,7 @@ use canvass_analyzer::NodeId;
 use std::fmt::Write;
 
 /// A file for the `tests` folder of a crate that depends on `canvass-conformance`. The test fails as long as the device
-/// shows the violation. It uses the bus of the run, or the one in the environment variable `CANVASS_BUS`.
+/// shows the violation. It uses the bus of the run, or the bus in the environment variable `CANVASS_BUS`.
 pub fn rust_test(found: &Found, bus: &str, node: NodeId, seed: u64) -> String {
     let violation = &found.violation;
     let (property, rule) = (violation.property, violation.rule);

@@ -18,7 +18,8 @@ const SOON: usize = 70;
 /// Maximum number of frames of a shortened sequence.
 const LONGEST: usize = 8;
 
-/// Each fault is found without or with a permission, or has a reason why it is not. The numbers are those of the page.
+/// Each fault is found without or with a permission, or has a reason why it is not found. The numbers are those of the
+/// page.
 #[test]
 fn every_fault_is_claimed_or_has_a_reason() {
     for fault in Fault::ALL {

@@ -12,7 +12,7 @@ const EXCHANGES: u64 = 6_000;
 fn healthy_models_violate_nothing() {
     for (seed, model) in (0_u64..).zip(Model::all()) {
         for (n, target) in Target::ALL.into_iter().enumerate() {
-            // All touches are allowed for every other target, and none for the others.
+            // For every second target all touches are allowed, for the others none.
             let allow = Touch::ALL.into_iter().filter(|_| (n as u64 + seed).is_multiple_of(2)).collect();
             let exchanges = if target == Target::All { EXCHANGES } else { EXCHANGES / 4 };
             let outcome = fuzz(model, Faults::NONE, target, &allow, seed, &mut |done| done < exchanges).unwrap();

@@ -21,7 +21,7 @@ struct Interrupted {
     ends: Timestamp,
     /// Number of interruptions that are over.
     past: u64,
-    /// Frames that were handed over and got lost. The tester believes that they were sent.
+    /// Frames that were handed over and got lost, although the tester regards them as sent.
     lost: VecDeque<Record>,
     chance: u64,
     /// The moment from which on the bus does not come back.

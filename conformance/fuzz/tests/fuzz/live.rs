@@ -84,8 +84,8 @@ fn slow_devices_and_such_with_habits_of_their_own_violate_nothing() {
     }
 }
 
-/// CiA 305 does not mention parts of another address between those of the own one. The case
-/// `305/switch-selective/interleaved` only records what a slave does then.
+/// CiA 305 does not mention parts of another address between parts of the slave's own address. The case
+/// `305/switch-selective/interleaved` only records the behaviour of the slave.
 #[test]
 fn a_slave_that_goes_on_after_parts_of_another_address_violates_nothing() {
     let outcome = with(Fault::LssSelectiveMismatchIgnored, Target::Lss, 1_000);
@@ -127,7 +127,8 @@ fn assert_covered(outcome: &Outcome) {
     assert!(reached * 100 >= all * 95, "{reached} of {all}");
 }
 
-/// Most sequences begin where the one before has ended. The coverage is as high as with a new device for each sequence.
+/// Most sequences begin in the state in which the previous sequence has ended. The coverage is as high as with a new
+/// device for each sequence.
 #[test]
 fn few_resets_are_needed() {
     let (outcome, resets) = counted(Faults::NONE, 1_500);
@@ -208,7 +209,7 @@ fn tell(bus: &mut SimulatedBus, what: (Transfer, sdo::Request)) -> sdo_client::O
 fn stored_values_of_eight_bytes_are_left_as_they_were() {
     let (number, stored) = (Multiplexer::new(0x2030, 0xF), [8, 7, 6, 5, 4, 3, 2, 1]);
     let mut bus = SimulatedBus::new(250_000);
-    // A reset restores nothing. The values written back are those stored, not those of the description.
+    // A reset restores nothing. The run writes the stored values back, not the values of the description.
     let keeps = Faults::from(Fault::NmtResetNodeKeepsParameters).with(Fault::NmtResetCommunicationKeepsParameters);
     bus.attach(Box::new(Device::new(model(), Some(NODE), keeps, 0)));
     while bus.receive(Timestamp(1_000_000_000)).unwrap().is_some() {}
@@ -347,7 +348,7 @@ fn a_device_that_needs_another_reset_is_a_violation_too_and_the_run_goes_on() {
     assert!(!found.evidence.is_empty(), "{:#?}", told(&outcome));
 }
 
-/// An earlier sequence has made the device operational, and the last one alone shows nothing from power-on.
+/// An earlier sequence has made the device operational. Without it, the last sequence shows nothing from power-on.
 #[test]
 fn a_violation_that_needs_an_earlier_command_has_a_short_reproducer() {
     for seed in 1..=6 {
@@ -410,7 +411,7 @@ impl Machine for Deaf {
     }
 }
 
-/// The boot-up message of an earlier reset is not taken for the one of the next reset, during which requests are lost.
+/// The boot-up message of an earlier reset is not taken for that of the next reset, during which requests are lost.
 #[test]
 fn a_reset_that_is_under_way_is_waited_for() {
     let device = Device::new(model(), Some(NODE), Fault::SdoToggleWrongCode, 0);

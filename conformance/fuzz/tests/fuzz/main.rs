@@ -1,4 +1,5 @@
-//! The fuzzer finds the claimed faults and nothing on healthy devices, and reports what it can't repeat as such.
+//! The fuzzer finds the claimed faults, finds nothing on healthy devices, and reports whether it could repeat a
+//! violation.
 #![cfg(test)]
 
 mod coverage;

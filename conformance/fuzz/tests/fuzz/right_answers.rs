@@ -1,5 +1,5 @@
-//! Answers that the oracle and the cases once judged differently, or more strictly than CiA 301: which must pass, and
-//! which must not.
+//! Answers that the oracle and the cases once judged differently, or more strictly than CiA 301. The tests say which
+//! answers must pass, and which must not.
 
 use canvass_analyzer::NodeId;
 use canvass_device::models::Model;

@@ -16,7 +16,7 @@ use std::collections::BTreeSet;
 
 const NODE: NodeId = NodeId::MIN;
 
-/// The failure of a device at its n-th request to read 1000h after power-on.
+/// The failure of a device at the n-th request to read 1000h after power-on.
 #[derive(Clone, Copy, PartialEq)]
 enum Failing {
     /// The device does not answer this request, and answers all later ones.

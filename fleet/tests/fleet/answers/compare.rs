@@ -23,7 +23,7 @@ fn renamed(row: &Value, columns: &[(&str, &str)]) -> Value {
     Value::Object(columns.iter().filter_map(there).collect())
 }
 
-/// A JSON object reduced to these members, without those that are null or false.
+/// A JSON object reduced to these members, without members that are null or false.
 fn reduced(object: &Value, names: &[&str]) -> Value {
     let told = |name: &&str| {
         let value = object.get(*name)?;

@@ -160,7 +160,8 @@ impl Bus {
         }
     }
 
-    /// A COB-ID moves or becomes invalid: of a PDO, EMCY, SYNC, a further SDO server or an SRDO.
+    /// Writes a COB-ID of a PDO, EMCY, SYNC, a further SDO server or an SRDO, so that the COB-ID moves or becomes
+    /// invalid.
     fn moved(&mut self, node: u32) {
         let objects = [(0x1800, 1), (0x1801, 1), (0x1400, 1), (0x1014, 0), (0x1005, 0), (0x1201, 1), (0x1201, 2)];
         let (index, sub) = *self.random.of(&[&objects[..], &[(0x1301, 1), (0x1301, 5), (0x1301, 6)]].concat());
@@ -206,7 +207,7 @@ impl Bus {
         self.send(0x106, &[!byte, !1]);
     }
 
-    /// LSS gives a device another node-ID, and the device starts; or a device starts as before CiA 301 V4.
+    /// LSS gives a device another node-ID, and the device starts; or a device reports its start as before CiA 301 V4.
     fn renamed(&mut self, node: u32) {
         if self.random.below(2) == 0 {
             return self.send(0x80 + node, &[]);

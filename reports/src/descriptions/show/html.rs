@@ -160,7 +160,7 @@ fn pdo(shown: &Shown, layout: &PdoLayout<'_>) -> Markup {
     }
 }
 
-/// A drawing of the bytes as columns, bit 0 of each first. It is as wide as its place.
+/// A drawing of the bytes as columns, with bit 0 of each byte first. The drawing is as wide as its place.
 fn drawing(fields: &[PdoField<'_>]) -> Markup {
     /// The width of a bit in the drawing.
     const BIT: u32 = 10;

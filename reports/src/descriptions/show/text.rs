@@ -88,7 +88,7 @@ fn detail(shown: &Shown, object: &Object, text: &mut String) {
     }
 }
 
-/// The facts of an entry. The text is empty if a fact is not known.
+/// The facts of an entry. A fact that is not known has an empty text.
 fn facts(shown: &Shown, object: &Object, entry: &Entry) -> [(&'static str, String); 9] {
     let cells = Cells::of(shown, object, entry);
     let bytes = entry.data_type.bits().map_or_else(String::new, |bits| match bits {

@@ -29,7 +29,8 @@ const ROUGHLY: usize = 32;
 pub(crate) struct Emergencies {
     /// The time of the first message.
     pub time: Timestamp,
-    /// The error code of the first message that reports an error, or of the first message if none does.
+    /// The error code of the first message that reports an error, or of the first message if no message reports an
+    /// error.
     pub code: EmcyCode,
     /// Number of messages.
     pub count: u64,
@@ -59,7 +60,7 @@ impl Collector {
     /// Takes a frame after the diagnosis has taken it.
     ///
     /// # Errors
-    /// None of this collector. Other collectors may write values to a file.
+    /// This collector gives no error. Other collectors write values to a file, which may fail.
     pub fn frame(&mut self, record: &Record, channels: &Channels, observed: &Observed<'_>) -> io::Result<()> {
         self.excerpt.frame(record, observed);
         for event in observed.bus.events() {

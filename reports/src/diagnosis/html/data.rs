@@ -45,7 +45,7 @@ struct Node {
     boot_ups: Vec<i64>,
     /// Number of periods of silence that `states` does not list.
     silent: u64,
-    /// EMCY messages by time: the time of the first, its error code in words, and the number of messages.
+    /// EMCY messages by time: the time of the first message, its error code in words, and the number of messages.
     emergencies: Vec<(i64, String, u64)>,
 }
 
@@ -67,7 +67,7 @@ struct Signal {
     node: u8,
     label: String,
     unit: String,
-    /// The times of the values, each as the difference from the one before.
+    /// The times of the values, each as the difference from the previous time.
     t: Vec<i64>,
     v: Vec<f64>,
 }
@@ -80,7 +80,7 @@ struct Finding {
     channel: Option<usize>,
     t: i64,
     count: u64,
-    /// The number (from 1) of the finding from which this one follows.
+    /// The number (from 1) of the finding from which this finding follows.
     of: Option<usize>,
 }
 
@@ -169,7 +169,7 @@ fn span(diagnosed: &Diagnosed<'_>, names: &Names<'_>) -> i64 {
     diagnosed.results.buses.iter().map(|(_, bus)| names.micros(bus.last)).max().unwrap_or(0)
 }
 
-/// The nodes of all channels. Each is made only when it is written, as the states of a node may be many.
+/// The nodes of all channels. Each node is made only when it is written, as the states of a node may be many.
 struct Nodes<'a> {
     collected: &'a Collector,
     names: Names<'a>,

@@ -11,15 +11,17 @@ use std::fmt::Write as _;
 const WHOLE: usize = 3_000;
 /// Number of frames shown from the start of a longer capture.
 const OPENING: usize = 40;
-/// Number of frames shown before and after the frame of a finding.
+/// Number of frames shown before the frame of a finding.
 const BEFORE: u64 = 40;
+/// Number of frames shown after the frame of a finding.
 const BEHIND: u64 = 20;
 /// Maximum number of frames around findings.
 const MOST: usize = 30_000;
 /// Maximum number of places of findings of one rule.
 const MOST_OF_RULE: u32 = 30;
-/// Maximum number of bytes of a payload, and of characters of its meaning.
+/// Maximum number of shown bytes of a payload.
 const BYTES: usize = 64;
+/// Maximum number of shown characters of the meaning of a frame.
 const CHARACTERS: usize = 400;
 
 /// Collects the frames to show, in bounded memory.
@@ -59,7 +61,8 @@ pub struct Shown {
     pub number: u64,
     /// The time of the frame.
     pub time: Timestamp,
-    /// The channel on which the frame was seen.
+    /// The frame numbers at which places are complete, in the order of time. An entry is out of date if its place has
+    /// moved since.
     pub channel: ChannelId,
     /// The place of the frame in its file.
     pub place: Place,
@@ -180,7 +183,8 @@ impl Excerpt {
         self.due.push_back((self.seen + BEHIND, key));
     }
 
-    /// Keeps the frames around a place instead of those kept for it before. The place is complete, or the capture ends.
+    /// Keeps the frames around a place instead of the frames kept for it before. The call comes when the place is
+    /// complete or when the capture ends.
     fn keep(&mut self, key: Key, at_end: bool) {
         let Some(spot) = self.places.get_mut(&key) else { return };
         if !at_end && spot.at + BEHIND > self.seen {
@@ -212,7 +216,7 @@ impl Excerpt {
         }
     }
 
-    /// All frames to show, in their order. Frames of exhibits are added if they are not among them.
+    /// All frames to show, in their order. Frames of exhibits that are missing are added.
     pub fn finish<'e>(mut self, exhibits: impl Iterator<Item = &'e Exhibit>) -> Vec<Shown> {
         while let Some((_, key)) = self.due.pop_front() {
             self.keep(key, true);
@@ -237,7 +241,7 @@ impl Excerpt {
     }
 }
 
-/// Inserts the others among the frames by their times. The frames keep their order, even if their clock stepped back.
+/// Inserts `others` among the frames by their times. The frames keep their order, even if their clock stepped back.
 fn merge(frames: &mut Vec<Shown>, mut others: Vec<Shown>) {
     others.sort_by_key(|shown| (shown.time, shown.place.number));
     let mut others = others.into_iter().peekable();

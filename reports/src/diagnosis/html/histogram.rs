@@ -15,8 +15,9 @@ const OCTAVES: usize = 26;
 const COLUMNS: usize = OCTAVES * PER_OCTAVE as usize;
 /// Minimum number of shown columns.
 const LEAST: usize = 40;
-/// The size of the drawing.
+/// The width of the drawing.
 const WIDTH: f64 = 520.0;
+/// The height of the drawing.
 const HEIGHT: f64 = 110.0;
 /// Maximum number of nodes with a histogram of their own.
 const MOST_NODES: usize = 24;

@@ -1,7 +1,7 @@
 //! The row of a node in the timeline: the states that the node has shown, and its silences.
 //!
 //! An NMT command does not show the state of a node. A reset is drawn until the node shows a state again. A node that
-//! drops out is silent, whatever it is commanded in the meantime.
+//! drops out is silent, whatever commands it gets in the meantime.
 
 use canvass_analyzer::NodeId;
 use canvass_analyzer::findings::Finding;
@@ -29,7 +29,7 @@ pub struct Span {
 /// The silences of a node.
 #[derive(Debug, Default)]
 pub(crate) struct Silences {
-    /// The times from the last frame before a silence to the first one after it, in the order of time.
+    /// The times from the last frame before a silence to the first frame after it, in the order of time.
     windows: Vec<(Timestamp, Timestamp)>,
     /// Number of further silences whose times are not known.
     pub left_out: u64,

@@ -73,7 +73,7 @@ struct StartValue {
     value: Vec<u8>,
 }
 
-/// The default values: those of the statics before the first write.
+/// The default values: the values of the statics before the first write.
 fn defaults() -> &'static [StartValue] {
     static DEFAULTS: OnceLock<Vec<StartValue>> = OnceLock::new();
     DEFAULTS.get_or_init(|| {
@@ -127,7 +127,7 @@ pub fn mailbox() -> &'static NodeMbox {
     Box::leak(Box::new(NodeMbox::new(NODE_STATE.rpdos(), NODE_STATE.tpdos(), queue, buffer)))
 }
 
-/// The objects that can be mapped; those that TPDOs send as delivered come first.
+/// The objects that can be mapped. The objects that TPDOs send as delivered come first.
 const MAPPABLE: [(u16, u8); 5] = [(0x2100, 1), (0x2100, 2), (0x2200, 1), (0x2200, 2), (0x2200, 3)];
 
 /// Values of [`MAPPABLE`].
@@ -143,7 +143,7 @@ pub fn tpdo_values() -> Parts {
     })
 }
 
-/// Tells the node which values have changed.
+/// Sets the event flags of the values that have changed.
 pub fn set_event_flags(now: &Parts, before: &Parts) {
     for ((index, sub), _) in MAPPABLE.iter().zip(now.iter().zip(before)).filter(|(_, (now, before))| now != before) {
         if let Some(object) = find_object(&OD_TABLE, *index) {
@@ -153,7 +153,7 @@ pub fn set_event_flags(now: &Parts, before: &Parts) {
     }
 }
 
-/// Exclusive use of the statics; other threads wait until this is dropped.
+/// Exclusive use of the statics. Other threads wait until the value is dropped.
 pub struct Occupied(());
 
 static IN_USE: Mutex<bool> = Mutex::new(false);

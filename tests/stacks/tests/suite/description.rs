@@ -1,4 +1,4 @@
-//! The device descriptions given to the suite are true of the devices.
+//! The device descriptions given to the suite match the devices.
 
 use super::{BIT_RATE, Peer};
 use canvass_analyzer::dictionary::{Access, DeviceDescription};

@@ -90,7 +90,7 @@ impl Page {
         self.files.push(ChosenFile { number, name: name.to_owned(), length: length as u64 });
     }
 
-    /// Adds a description, or replaces the one with this name; returns its summary as JSON.
+    /// Adds a description, or replaces the description with this name; returns its summary as JSON.
     ///
     /// # Errors
     /// If the description can't be used.

@@ -67,7 +67,7 @@ impl Page {
     }
 
     /// Sets the hashes of the captures: JSON with a hexadecimal text for each capture in their order, `null` for an
-    /// unreadable one.
+    /// unreadable capture.
     ///
     /// # Errors
     /// If no capture is open, or `hashes` is malformed.

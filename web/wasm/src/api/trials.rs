@@ -50,7 +50,7 @@ impl Page {
         self.results.push(ChosenResult { name: name.to_owned(), bytes });
     }
 
-    /// The page that compares the two added results of `canvass test`, the older first; removes the results.
+    /// The page that compares the two added results of `canvass test`, the older result first; removes the results.
     ///
     /// # Errors
     /// If there are not exactly two results.

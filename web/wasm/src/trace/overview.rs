@@ -23,7 +23,7 @@ impl Overview {
     /// Maximum number of parts: when it is reached, each two parts become one.
     const MOST: usize = 1024;
 
-    /// Counts the next frame. A frame before the first one counts to the first part.
+    /// Counts the next frame. A frame with an earlier time than the first frame counts to the first part.
     #[inline]
     pub fn take(&mut self, time: Timestamp, decoded: &Decoded) {
         let start = *self.start.get_or_insert(time);

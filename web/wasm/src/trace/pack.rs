@@ -1,4 +1,4 @@
-//! A record in few bytes, after the one before it.
+//! A record in few bytes, encoded as the difference from the previous record.
 //!
 //! ```text
 //! head: 0 usual (11 bits, classical data, no DLC above 8), 1 same channel, 2 number is one more, 4..5 direction, 6 CAN XL
@@ -97,7 +97,7 @@ fn push_xl(priority: CanId, xl: XlHeader, data: &[u8], out: &mut Vec<u8>) {
     out.extend_from_slice(data);
 }
 
-/// Takes the next record from the front of `bytes`; `None` at their end.
+/// Takes the next record from the front of `bytes`; `None` at the end of `bytes`.
 pub fn take(bytes: &mut &[u8], before: &mut Before) -> Option<Record> {
     let head = *bytes.split_off_first()?;
     let time = before.time.wrapping_add(take_signed(bytes)?.cast_unsigned());

@@ -63,7 +63,7 @@ impl Row {
     }
 }
 
-/// Whether a frame reports a failure, for which users look first.
+/// Whether a frame reports a failure. Users look for failures first.
 pub(super) fn is_bad(service: Service, message: &Message, violation: Option<Violation>) -> bool {
     let aborted = matches!(
         message,

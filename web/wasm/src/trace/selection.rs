@@ -104,7 +104,7 @@ impl Selection {
     }
 }
 
-/// A search for the next wanted row after `from`, or the last one before it, in steps.
+/// A search for the next wanted row after `from`, or the last wanted row before it, in steps.
 pub struct Search {
     wanted: Wanted,
     walk: Option<Walk>,

@@ -1,6 +1,6 @@
 //! All records, in blocks, which are compressed when there are many, and snapshots of the network at the beginning of
 //! some blocks. Decoding of any record begins at the nearest snapshot before it. While records are added, they are only
-//! stored; [`Indexing`] decodes them and makes the snapshots when all are there.
+//! stored. When all records are there, [`Indexing`] decodes them and makes the snapshots.
 
 use super::overview::Overview;
 use super::pack::{self, Before};
@@ -22,7 +22,7 @@ pub struct Store {
     before: Before,
     len: usize,
     bytes: usize,
-    /// Number of compressed blocks; they are the first ones.
+    /// Number of compressed blocks; they are the first blocks.
     compressed: usize,
     /// Number of bytes in the uncompressed blocks.
     plain_bytes: usize,
@@ -36,7 +36,7 @@ pub struct Store {
 struct Block {
     packed: Packed,
     first: Timestamp,
-    /// The latest time in this block and all earlier ones.
+    /// The latest time in this block and all earlier blocks.
     latest: Timestamp,
 }
 
@@ -106,7 +106,7 @@ impl Store {
         true
     }
 
-    /// Keeps a snapshot of the network before a block, if the block is one that gets a snapshot.
+    /// Keeps a snapshot of the network before a block, if it is the turn of this block.
     fn remember(&mut self, block: usize, network: &Network, buses: usize) {
         let most = (Self::SNAPSHOTS / buses.max(1)).max(2);
         if block == self.snapshots.len() * self.spacing {
@@ -215,7 +215,8 @@ impl Indexing {
     }
 }
 
-/// Decodes the records from one on, with the state of the network there.
+/// Decodes the records from a given record on. It begins with the state of the network at the last snapshot before this
+/// record.
 pub struct Walk {
     network: Network,
     row: usize,

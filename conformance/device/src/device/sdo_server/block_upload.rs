@@ -130,7 +130,7 @@ impl BlockUpload {
         Next::answer(Transfer::BlockUpload(self), Response::EndBlockUpload { unused, crc })
     }
 
-    /// The number of segments of the whole value; even an empty value takes one.
+    /// The number of segments of the whole value; even an empty value takes one segment.
     fn segments(&self) -> usize {
         self.value.len().div_ceil(7).max(1)
     }

@@ -96,7 +96,7 @@ impl SegmentedDownload {
         if objects.has(Fault::SdoSegmentsWrittenAtOnce) {
             let mut so_far = self.data.clone();
             so_far.resize(self.longest.min(8), 0);
-            // An error is ignored here: the server refuses a value that does not fit with the last segment.
+            // An error is ignored here: the server refuses an unsuitable value at the last segment.
             let _ = objects.download(now, self.object, &so_far);
         }
         if !segment.last {

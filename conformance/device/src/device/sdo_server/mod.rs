@@ -32,7 +32,7 @@ pub(super) struct SdoServer {
     answers: VecDeque<(Timestamp, [u8; 8], usize)>,
     /// The time at which a transfer ends if its client stays silent.
     expires: Timestamp,
-    /// The object of the last transfer, for a firmware that goes on naming it.
+    /// The object of the last transfer, for a firmware that names it in aborts of later transfers.
     stale: Multiplexer,
     /// The first bytes of a refused segment, for a firmware that returns them as the next value.
     refused: Option<[u8; 4]>,
@@ -395,11 +395,11 @@ impl SdoServer {
     }
 }
 
-/// Of this many requests, a firmware with delayed responses answers one late, after [`SLOW`].
+/// A firmware with delayed responses answers one of this many requests late, after [`SLOW`].
 const SLOW_EVERY: u32 = 150;
 const SLOW: Duration = Duration::from_millis(1_200);
 
-/// Of this many requests, a firmware that loses responses leaves one unanswered.
+/// A firmware that loses responses leaves one of this many requests unanswered.
 const LOST_EVERY: u32 = 100;
 
 /// Number of bytes of a response that are not reserved.

@@ -1,4 +1,4 @@
-//! Checks of written values beyond the limits of the encoder's description.
+//! Checks of written values in addition to the limits in the encoder's description.
 
 use super::operating::SCALING;
 use super::{Encoder, OPERATING_PARAMETERS};

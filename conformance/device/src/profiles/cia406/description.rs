@@ -68,7 +68,7 @@ fn quirks(description: &DeviceDescription, has_event_timer: bool) -> Table {
     quirks
 }
 
-/// Checks that the low limit of a work area is at most the high one, for each channel that has both.
+/// Checks that the low limit of a work area is at most the high limit, for each channel that has both.
 fn checks(description: &DeviceDescription) -> Vec<Value> {
     let (low, high) = (encoder::WORK_AREA_LOW_LIMIT, encoder::WORK_AREA_HIGH_LIMIT);
     let row = |(at, rule, of): (Multiplexer, &str, Multiplexer)| {

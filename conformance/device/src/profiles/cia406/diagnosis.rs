@@ -60,7 +60,7 @@ impl Encoder {
         alarms
     }
 
-    /// The warnings in 6505h, limited to those that 6506h supports.
+    /// The warnings in 6505h, limited to the warnings that 6506h supports.
     fn warnings(&self, now: Timestamp, parameters: &Parameters) -> u64 {
         let mut warnings = 0;
         if self.is_too_fast(now) {

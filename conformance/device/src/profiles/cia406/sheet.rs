@@ -59,7 +59,7 @@ pub struct Measurement {
     pub tenth_mm_per_revolution: u32,
     /// For an inclinometer: the tilt of the housing, in hundredths of a degree, clockwise.
     pub tilt_hundredths: i32,
-    /// For people: the values among these that the manual does not give.
+    /// For people: the values of this table that the manual does not give.
     pub assumed: ForPeople,
     /// For people: the times over which the speed is measured.
     pub integration_times_ms: ForPeople,
@@ -113,8 +113,8 @@ pub enum EncoderKind {
     DrawWire,
 }
 
-/// When the universal scaling function works: any scaling, without a jump of the position at the end of the physical
-/// range.
+/// When the universal scaling function works. It allows any scaling without a jump of the position at the end of the
+/// physical range.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum UniversalScaling {

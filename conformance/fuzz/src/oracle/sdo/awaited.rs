@@ -26,12 +26,12 @@ pub(super) enum Awaited {
     BeginDownload { at: Multiplexer, writing: Writing, announced: Option<u32> },
     /// The confirmation that a block download may begin.
     BeginBlockDownload { at: Multiplexer, writing: Writing, announced: Option<u32>, crc: bool },
-    /// The confirmation of a download segment; the last one ends the transfer.
+    /// The confirmation of a download segment; that of the last segment ends the transfer.
     ConfirmSegment { toggle: bool, last: Option<(Multiplexer, Writing)> },
     /// An upload segment.
     Segment { toggle: bool },
-    /// The confirmation of a block whose last good sequence number is `sequence`. If a segment was missing, it may come
-    /// before the end of the block.
+    /// The confirmation of a block whose last good sequence number is `sequence`. If a segment was missing, the
+    /// confirmation may come before the end of the block.
     ConfirmBlock { sequence: u8, required: bool, last: bool },
     /// The confirmation of the end of a block download.
     ConfirmEnd { at: Multiplexer, writing: Writing },
@@ -66,7 +66,7 @@ pub(super) struct Writing {
     pub may: CodeSet,
     /// The reason for the required abort.
     pub why: &'static str,
-    /// A rule of the PDO configuration requires the abort.
+    /// Whether a rule of the PDO configuration requires the abort.
     pub pdo_rule: bool,
 }
 

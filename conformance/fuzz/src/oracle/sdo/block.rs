@@ -20,7 +20,7 @@ pub(super) struct Upload {
     pub size: u8,
     /// The last sequence number that was sent in this block.
     pub sequence: u8,
-    /// The last segment of the transfer was sent.
+    /// Whether the last segment of the transfer was sent.
     pub complete: bool,
     /// Number of bytes in earlier blocks.
     pub settled: u32,

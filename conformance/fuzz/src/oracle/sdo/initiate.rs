@@ -117,12 +117,12 @@ fn in_segments(mut writing: Writing, knowledge: &Knowledge) -> Writing {
     writing
 }
 
-/// The code of a server without block transfers, if it is not known whether it supports them.
+/// The abort code of a server without block transfers, if it is not known whether this server supports them.
 fn not_supported(knowledge: &Knowledge) -> CodeSet {
     if knowledge.services.block_transfer.is_none() { codes::COMMAND } else { CodeSet::NONE }
 }
 
-/// A server without block transfers may report this before it looks for the object.
+/// A server without block transfers may report this lack before it looks for the object.
 fn with_command(must: CodeSet) -> CodeSet {
     if must.is_empty() { must } else { must.or(codes::COMMAND) }
 }
@@ -155,7 +155,7 @@ fn missing(at: Multiplexer, knowledge: &Knowledge) -> CodeSet {
     }
 }
 
-/// The codes for reading an object of a device without description: it may be missing or not readable.
+/// The abort codes for reading an object of a device without description: the object may be missing or not readable.
 fn anything_if_unknown(knowledge: &Knowledge) -> CodeSet {
     if knowledge.is_described() {
         return CodeSet::NONE;
@@ -182,7 +182,7 @@ fn announced(at: Multiplexer, size: Option<u32>, knowledge: &Knowledge) -> Writi
         // The server may refuse a wrong length at once or when the data has come.
         (Some(fixed), Some(size)) if size as usize > fixed => writing.may = writing.may.or(codes::TOO_LONG),
         (Some(fixed), Some(size)) if (size as usize) < fixed => writing.may = writing.may.or(codes::TOO_SHORT),
-        // The application decides which lengths of a string or DOMAIN are right; no description tells.
+        // The application decides which lengths of a string or DOMAIN are right; no description contains them.
         (None, _) => writing.may = writing.may.or(codes::TOO_SHORT),
         _ => {}
     }
@@ -201,8 +201,8 @@ fn length_codes(known: &Known, size: Option<usize>) -> CodeSet {
     }
 }
 
-/// The codes at the end of a transfer whose length is neither that of the object nor the announced one. No description
-/// tells which lengths of a string or DOMAIN are right.
+/// The codes at the end of a transfer whose length is neither the object's length nor the announced length. The right
+/// lengths of a string or DOMAIN are in no description.
 pub(super) fn all_length_codes(known: Option<&Known>, announced: Option<usize>) -> CodeSet {
     match known {
         Some(known) if known.size.is_none() => codes::TOO_LONG.or(codes::TOO_SHORT),

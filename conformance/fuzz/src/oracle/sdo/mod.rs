@@ -1,7 +1,7 @@
 //! A model of the SDO server of CiA 301, seen from outside: the correct answers in each state.
 //!
 //! A request is first turned into the allowed answers ([`Awaited`]), and the actual answer is then compared with them.
-//! The states are those of the transfer, and each carries only its own data.
+//! The states are the states of the transfer, and each carries only its own data.
 
 mod awaited;
 mod block;
@@ -26,7 +26,7 @@ use canvass_traces::{Duration, Frame, Timestamp};
 /// server need not report it.
 const LASTING: Duration = Duration::from_millis(400);
 
-/// Maximum length of a value whose bytes are compared. Of a longer one only the length is judged.
+/// Maximum length of a value whose bytes are compared. Of a longer value only the length is judged.
 const LONGEST: usize = 1 << 16;
 
 /// The model of the server.
@@ -36,9 +36,9 @@ pub(crate) struct Server {
     awaited: Awaited,
     /// When the awaited answer is overdue.
     due: Timestamp,
-    /// A second request came before the answer to the first, so that the next answer can belong to either.
+    /// Whether a second request came before the answer to the first, so that the next answer can belong to either.
     overlapped: bool,
-    /// Silence was not awaited since the last request, whose answer is optional.
+    /// Whether the last request has an optional answer, and the fuzzer has not waited for silence since then.
     unsettled: bool,
     grace: Timestamp,
     /// The NMT state is certain for requests from this time on: its last change is completed by then.
@@ -54,10 +54,11 @@ pub(crate) struct Server {
     command: Command,
     /// The object that the last request named.
     named: Option<Multiplexer>,
-    /// The command of the last request had reserved bits set, so that the server may take it for an unknown command.
+    /// Whether the command of the last request had reserved bits set, so that the server may take it for an unknown
+    /// command.
     odd: bool,
-    /// The time at which the client last ended a transfer. The server may have given it up at the same moment and
-    /// report this a little later.
+    /// The time at which the client last ended a transfer. The server may have given up the transfer at the same moment
+    /// and report this a little later.
     ended: Option<Timestamp>,
 }
 
@@ -87,8 +88,8 @@ enum TransferState {
         size: u8,
         sequence: u8,
         crc: bool,
-        /// A segment of this block was missing or came twice. The server may confirm the segments before it ahead of
-        /// the block's end.
+        /// Whether a segment of this block was missing or came twice. The server may then confirm the segments before
+        /// it ahead of the block's end.
         gap: bool,
     },
     /// The last segment has come. The client has to end the transfer.
@@ -160,7 +161,7 @@ impl Server {
         }
     }
 
-    /// The server begins anew.
+    /// Handles a reset of the device: the server begins anew.
     pub fn reset(&mut self) {
         self.state = TransferState::Idle;
         self.awaited = Awaited::Nothing;
@@ -172,8 +173,8 @@ impl Server {
         self.data.clear();
     }
 
-    /// The device was thought to be booting, but shows that it has booted. It may serve a request from just before,
-    /// which came while its boot-up message waited for the bus.
+    /// Handles a sign that a device which counted as booting has booted. The device may serve a request from just
+    /// before, which came while its boot-up message waited for the bus.
     pub fn booted(&mut self, now: Timestamp, grace: Duration) {
         if self.unserved.take().is_some_and(|asked| now < asked + grace) {
             self.state = TransferState::Unsure;
@@ -181,8 +182,8 @@ impl Server {
         }
     }
 
-    /// The NMT state has changed. Responses that were on their way may still come for `grace`, unless no request came
-    /// for `quiet`. Later requests belong to the new state.
+    /// Handles a change of the NMT state. Responses that were on their way may still come for `grace`, unless no
+    /// request came for `quiet`. Later requests belong to the new state.
     pub(crate) fn state_changed(&mut self, now: Timestamp, served: Served, grace: Duration, quiet: Duration) {
         match served {
             Served::No => {
@@ -336,7 +337,7 @@ impl Server {
         self.overlapped || self.awaited.is_open()
     }
 
-    /// Silence has lasted long enough, so no earlier request will be answered.
+    /// Handles the end of the required silence: the server answers no earlier request any more.
     pub const fn quiet(&mut self) {
         self.overlapped = false;
         self.unsettled = false;
@@ -359,7 +360,7 @@ impl Server {
             return self.block_segment(segment, knowledge);
         }
         if let [0x81..=0x9F, ..] = frame.data() {
-            // The standard leaves open whether an abort with reserved bits set is one.
+            // The standard leaves open whether a frame with reserved bits set counts as an abort.
             self.give_up(expected_values);
             self.state = TransferState::Unsure;
             return Awaited::Anything;
@@ -372,7 +373,7 @@ impl Server {
         }
         if self.state == TransferState::Unsure && frame.bytes()[0] != 0x80 {
             // The server may take the frame for a segment of a block download that the model does not know of. The
-            // answer tells.
+            // answer shows this.
             return Awaited::Anything;
         }
         if self.state.is_block() && initiates(&request) {
@@ -411,7 +412,7 @@ impl Server {
         }
     }
 
-    /// The server has to abort the transfer.
+    /// Ends the transfer, which the server has to abort. Returns the required abort.
     fn refuse(&mut self, codes: CodeSet, why: &'static str, expected_values: &mut ExpectedValues) -> Awaited {
         self.give_up(expected_values);
         Awaited::Abort { codes, at: None, why }

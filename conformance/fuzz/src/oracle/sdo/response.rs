@@ -14,8 +14,8 @@ use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::{Abort, AbortCode, BlockSegment, Payload, Response, Segment, crc16};
 use canvass_traces::{Frame, Timestamp, hex};
 
-/// The violation in an answer: the property, the expected value if it differs from the awaited text, and the actual
-/// one.
+/// The violation in an answer: the property, the expected value if it differs from the text of the awaited answer, and
+/// the actual value.
 struct Wrong {
     property: Property,
     expected: Option<String>,
@@ -108,7 +108,7 @@ impl Server {
         self.judge_response(awaited, response, frame, knowledge, expected_values)
     }
 
-    /// Takes the allowed answers, as each request has only one answer.
+    /// Returns the allowed answers, and forgets them, as each request has only one answer. `Anything` is kept.
     fn take_awaited(&mut self) -> Awaited {
         let awaited = self.awaited;
         if awaited != Awaited::Anything {
@@ -199,7 +199,8 @@ impl Server {
         }
     }
 
-    /// Whether the server reports a time-out where it may: a transfer is in progress, and no answer is due.
+    /// Whether the server reports a time-out where a time-out is allowed: a transfer is in progress, and no answer is
+    /// due.
     fn is_given_up(&self, awaited: Awaited, response: Response) -> bool {
         let may_be_silent = matches!(
             awaited,
@@ -209,8 +210,8 @@ impl Server {
         is_time_out && may_be_silent && self.state != TransferState::Idle
     }
 
-    /// Whether the server reports a time-out of a transfer that the client has just ended. The awaited answer is still
-    /// to come then.
+    /// Whether the server reports a time-out of a transfer that the client has just ended. The awaited answer then
+    /// still has to come.
     fn is_of_ended(&self, now: Timestamp, response: Response, knowledge: &Knowledge) -> bool {
         let is_time_out = matches!(response, Response::Abort(abort) if abort.code == AbortCode::TIMEOUT);
         is_time_out && self.ended.is_some_and(|ended| now.since(ended) <= knowledge.patience.answer)

@@ -57,7 +57,7 @@ impl Server {
     }
 }
 
-/// The codes for a number of bytes that differs from the announced one.
+/// The codes for a number of bytes that differs from the announced number.
 fn against_announced(received: usize, announced: Option<usize>) -> (CodeSet, &'static str) {
     match announced {
         Some(size) if received > size => (codes::TOO_LONG, "more data than announced"),
