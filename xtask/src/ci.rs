@@ -8,7 +8,6 @@ use crate::attack;
 use crate::browser;
 use crate::consent;
 use crate::docs;
-use crate::fleet;
 use crate::fuzz::fuzz;
 use crate::incidents::incidents;
 use crate::peers;
