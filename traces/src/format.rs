@@ -11,7 +11,7 @@ use std::fmt;
 /// assert_eq!(by_extension("pcapng"), Some(Format::Pcapng));
 /// assert_eq!(Format::Pcapng.to_string(), "pcapng");
 /// let only_read: Vec<_> = Format::all().filter(|format| !format.is_written()).collect();
-/// assert_eq!(only_read, [Format::Blf, Format::MiniMon, Format::CandumpConsole, Format::Pasted]);
+/// assert_eq!(only_read, [Format::Blf, Format::MiniMon, Format::Crtd, Format::CandumpConsole, Format::Pasted]);
 /// ```
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Format {
@@ -35,6 +35,8 @@ pub enum Format {
     Blf,
     /// python-can CSV.
     PythonCanCsv,
+    /// The log of the Open Vehicle Monitoring System.
+    Crtd,
     /// Lines of frames in no known format. It stays the last one.
     Pasted,
 }

@@ -7,6 +7,7 @@ pub(crate) mod blf;
 pub(crate) mod candump_console;
 pub(crate) mod candump_log;
 mod candump_usual;
+pub(crate) mod crtd;
 pub(crate) mod mcap;
 pub(crate) mod minimon;
 pub(crate) mod pasted;
@@ -126,6 +127,15 @@ const FORMATS: &[FormatEntry] = &[
         extensions: &["csv"],
         sniff: minimon::sniff,
         open: minimon::open,
+        writing: None,
+    },
+    FormatEntry {
+        format: Format::Crtd,
+        id: "crtd",
+        summary: "CRTD (Open Vehicle Monitoring System, SavvyCAN)",
+        extensions: &["crtd", "txt"],
+        sniff: crtd::sniff,
+        open: crtd::open,
         writing: None,
     },
     FormatEntry {
