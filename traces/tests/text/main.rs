@@ -19,6 +19,8 @@ mod pasted_forms;
 #[cfg(test)]
 mod pasted_nothing;
 #[cfg(test)]
+mod pasted_pitfalls;
+#[cfg(test)]
 mod samples;
 #[cfg(test)]
 mod trc;

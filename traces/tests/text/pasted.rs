@@ -87,11 +87,11 @@ pub fn gives(text: &str, frames: &[&str]) -> Given {
     given
 }
 
-fn micros(given: &Given) -> Vec<u64> {
+pub fn micros(given: &Given) -> Vec<u64> {
     given.records.iter().map(|record| record.timestamp.nanos() / 1_000).collect()
 }
 
-fn directions(given: &Given) -> Vec<Direction> {
+pub fn directions(given: &Given) -> Vec<Direction> {
     given.records.iter().map(|record| record.direction).collect()
 }
 
@@ -350,7 +350,7 @@ fn only_rows_of_a_table_can_be_damaged() {
 
 /// Checks that the text fits two readings, and what each of them gives.
 #[track_caller]
-fn asks(text: &str, readings: [(&str, &[&str]); 2]) {
+pub fn asks(text: &str, readings: [(&str, &[&str]); 2]) {
     let error = open_with(text, None).err().unwrap_or_else(|| panic!("{text}: {:?}", given(text).interpretation));
     let OpenError::Ambiguous { ref question, .. } = error else { panic!("{text}: {error}") };
     assert!(error.to_string().contains("--columns "), "{error}");

@@ -27,14 +27,16 @@ pub(super) fn layouts(columns: &Columns) -> Vec<Layout> {
 fn layout(columns: &Columns, form: DataForm, time: bool, channel: bool) -> Layout {
     let role = |column: &Column| match column {
         Column::Line => Some(Role::Skip),
-        Column::Time(_) => time.then_some(Role::Time),
+        Column::Time(_) | Column::Delta(_) => time.then_some(Role::Time),
         Column::Channel => channel.then_some(Role::Channel),
         Column::Id(_) => Some(Role::Id),
         Column::Length => Some(Role::Length),
-        Column::Direction | Column::Data(_) => None,
+        Column::Direction | Column::Date(_) | Column::Data(_) => None,
     };
     let mut layout = Layout::new(columns.columns.iter().filter_map(role).collect(), Core::Apart, form);
     layout.id_is_decimal = columns.columns.contains(&Column::Id(IdForm::Decimal));
+    layout.differences = columns.columns.iter().any(|column| matches!(column, Column::Delta(_)));
+    layout.month_first = columns.month_first().unwrap_or(layout.month_first);
     layout.wide_is_standard = columns.columns.contains(&Column::Id(IdForm::Bits11));
     layout
 }

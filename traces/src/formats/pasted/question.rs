@@ -1,6 +1,6 @@
 //! What is asked where lines fit two readings.
 
-use super::layout::{Layout, Role};
+use super::layout::{DataForm, Layout, Role};
 use std::fmt;
 
 /// Pasted lines that fit two readings, and the columns that choose one of them.
@@ -33,14 +33,17 @@ impl fmt::Display for Question {
     }
 }
 
-/// The columns of a layout as a person gives them.
+/// The columns of a layout as a person gives them. Details that are not in doubt are named only where they are unusual.
 pub(super) fn columns_of(layout: &Layout, unit: &str, id: &str, data: &str) -> String {
+    let id = if id.is_empty() && layout.id_is_decimal { "dec" } else { id };
+    let data = if data.is_empty() && layout.data == DataForm::Decimal { "dec" } else { data };
+    let time = if layout.differences { "delta" } else { "time" };
     let with = |name: &str, detail: &str| {
         if detail.is_empty() { name.to_owned() } else { format!("{name}[{detail}]") }
     };
     let column = |role: &Role| match role {
-        Role::Skip => "line".to_owned(),
-        Role::Time => with("time", unit),
+        Role::Skip | Role::Micros => "line".to_owned(),
+        Role::Time => with(time, unit),
         Role::Channel => "channel".to_owned(),
         Role::Id => with("id", id),
         Role::Length => "len".to_owned(),

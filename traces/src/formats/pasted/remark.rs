@@ -19,7 +19,7 @@ pub(crate) fn remark(text: &[u8]) -> Option<&str> {
             || c.is_whitespace()
     };
     let text = std::str::from_utf8(text).ok()?.trim_start_matches(is_mark).trim_end();
-    let text = text.strip_suffix("*/").unwrap_or(text).trim_end();
+    let text = text.strip_suffix("*/").unwrap_or(text).trim_end_matches(|c: char| c == '|' || c.is_whitespace());
     text.chars().any(char::is_alphanumeric).then_some(text)
 }
 

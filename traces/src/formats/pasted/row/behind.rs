@@ -11,7 +11,7 @@ impl Reading<'_> {
     pub(super) fn finish(mut self, record: Record) -> Row {
         let values = match self.layout.behind {
             Behind::Nothing => 0,
-            Behind::Time => 1,
+            Behind::Time | Behind::Counter => 1,
             Behind::CycleAndCount => 2,
         };
         for _ in 0..values {
@@ -23,21 +23,43 @@ impl Reading<'_> {
             }
         }
         self.direction_behind();
-        if let Some([label, value]) = self.tokens.get(self.at..self.at + 2)
-            && label.kind == Kind::Label(Label::Channel)
-        {
-            self.found.channel = Some(self.at + 1);
-            self.at += 2;
-            debug_assert!(value.start >= label.end, "tokens are in the order of the line");
+        if let Some(label) = self.channel_label() {
+            self.found.channel = Some(label + 1);
+            self.at = label + 2;
         }
         let remark = self.at.checked_sub(1).and_then(|last| self.tokens.get(last)).map_or(0, |token| token.end);
         let may_go_on = self.may_go_on(&record, remark);
         let Found { time, clock, date, channel, labelled, length_is_said, .. } = self.found;
-        let Found { direction, id, extended, .. } = self.found;
+        let Found { direction, id, extended, micros, other_label, .. } = self.found;
         let (id, next) = (id.map(|(number, _)| number), self.at);
         let width_is_said = extended.is_some() || id.is_some_and(|id| id.extended);
         let record = record.with_direction(direction);
-        Row { record, time, clock, date, channel, remark, next, id, width_is_said, may_go_on, labelled, length_is_said }
+        Row {
+            record,
+            time,
+            micros,
+            other_label,
+            clock,
+            date,
+            channel,
+            remark,
+            next,
+            id,
+            width_is_said,
+            may_go_on,
+            labelled,
+            length_is_said,
+        }
+    }
+
+    /// The label of a channel after the frame, perhaps after the data as characters in quotes.
+    fn channel_label(&self) -> Option<usize> {
+        let behind = self.at.checked_sub(1).and_then(|last| self.tokens.get(last)).map_or(0, |token| token.end);
+        let is_quoted = self.line.get(behind..)?.trim_ascii_start().starts_with(b"'");
+        let is_label = |at: &usize| self.tokens.get(*at).is_some_and(|t| t.kind == Kind::Label(Label::Channel));
+        let last = if is_quoted { self.tokens.len() } else { self.at + 1 };
+        let label = (self.at..last).rev().find(is_label)?;
+        (label + 1 < self.tokens.len()).then_some(label)
     }
 
     /// Whether more digits, a direction or words that make a frame a remote one may follow.
