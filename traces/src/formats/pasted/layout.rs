@@ -46,6 +46,8 @@ pub(super) enum Behind {
     Time,
     /// The cycle time and count of a list that has each identifier once.
     CycleAndCount,
+    /// A date or a time of the day, perhaps after a number of ten digits.
+    Clock,
     /// The number of the line, which is its last column.
     Counter,
 }

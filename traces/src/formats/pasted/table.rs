@@ -177,7 +177,7 @@ impl Table {
 
     /// The filled fields of one kind.
     fn texts<'a>(&self, rows: &[&'a [u8]], wanted: fn(Field) -> bool) -> Vec<&'a [u8]> {
-        let fields = |row: &&'a [u8]| row.split(|byte| *byte == self.separator).zip(&self.fields).collect::<Vec<_>>();
+        let fields = |row: &&'a [u8]| split(row, self.separator).zip(&self.fields).collect::<Vec<_>>();
         let texts = rows.iter().flat_map(fields).filter(|(_, field)| wanted(**field)).map(|(text, _)| trim(text));
         texts.filter(|text| !text.is_empty()).collect()
     }
@@ -338,7 +338,7 @@ impl Table {
         let mut row = Fields::default();
         let mut at = 0;
         let mut fields = self.fields.iter().copied();
-        for text in line.split(|byte| *byte == self.separator) {
+        for text in split(line, self.separator) {
             // Fields after the last named one are further bytes of the data.
             let last = if self.fields.last() == Some(&Field::Data) { Field::Byte } else { Field::Other };
             row.take(fields.next().unwrap_or(last), trim(text), self).map_err(|what| (at, what))?;
@@ -352,6 +352,15 @@ impl Table {
         let may_go_on = row.ends_in_digit || row.len.is_none() && record.frame.len() < 8;
         Ok(TableRow { record, time: row.time, date: row.date, channel: row.channel, may_go_on })
     }
+}
+
+/// The fields of a row. A separator in quotes separates nothing.
+fn split(line: &[u8], separator: u8) -> impl Iterator<Item = &[u8]> {
+    let mut is_quoted = false;
+    line.split(move |byte| {
+        is_quoted ^= *byte == b'"';
+        *byte == separator && !is_quoted
+    })
 }
 
 /// The offset of a field in its line.
@@ -545,8 +554,8 @@ fn length(text: &[u8]) -> Option<usize> {
 
 fn flag(text: &[u8]) -> Option<bool> {
     match text.to_ascii_lowercase().as_slice() {
-        b"true" | b"1" | b"yes" | b"x" | b"ext" | b"extended" => Some(true),
-        b"false" | b"0" | b"no" | b"" | b"std" | b"standard" => Some(false),
+        b"true" | b"t" | b"1" | b"yes" | b"x" | b"ext" | b"extended" => Some(true),
+        b"false" | b"f" | b"0" | b"no" | b"" | b"std" | b"standard" => Some(false),
         _ => None,
     }
 }

@@ -56,7 +56,7 @@ fn infer_with(head: &[u8], columns: Option<&Columns>, commas: Commas) -> Result<
     }
     behind(&sample, &rows, &mut layout);
     layout.arrow_is_mark = is_arrow_a_mark(&sample, &rows);
-    layout.id_digits = id_digits(&rows, &layout);
+    layout.id_digits = id_digits(&sample, &rows, &layout);
     layout.has_labels = columns.is_some() || 2 * rows.iter().filter(|(_, row)| row.other_label).count() >= rows.len();
     time(&sample, &mut layout, columns)?;
     ask(&sample, &mut layout, columns)?;
@@ -85,8 +85,12 @@ fn ask(sample: &Sample<'_>, layout: &mut Layout, columns: Option<&Columns>) -> R
 
 /// The numbers of digits of the identifiers, as bits. Without a length only usual numbers count, for other lines may be prose;
 /// leading zeros are before all identifiers or before none.
-fn id_digits(rows: &[(usize, Row)], layout: &Layout) -> u16 {
-    let ids = || rows.iter().filter_map(|(_, row)| row.id);
+fn id_digits(sample: &Sample<'_>, rows: &[(usize, Row)], layout: &Layout) -> u16 {
+    // A strange number with a text behind it may be prose.
+    let is_whole = |(line, row): &&(usize, Row)| {
+        row.next == sample.tokens(*line).len() || row.id.is_some_and(|id| matches!(id.digits, 3 | 4 | 8))
+    };
+    let ids = || rows.iter().filter(is_whole).filter_map(|(_, row)| row.id);
     let of_four = ids().filter(|id| id.digits == 4).count();
     let is_usual = |digits: u8| match digits {
         3 | 8 => true,
@@ -114,6 +118,10 @@ fn candidates() -> Vec<Layout> {
             }
         }
     }
+    // socketcand writes the time between identifier and data.
+    all.extend((0..=1).map(|count| {
+        Layout::new([&before(count)[..], &[Role::Id, Role::Time]].concat(), Core::Apart, DataForm::Compact)
+    }));
     let has_length = |layout: &&Layout| layout.has(Role::Length) && !layout.id_is_decimal;
     let counted: Vec<_> =
         all.iter().filter(has_length).map(|layout| Layout { behind: Behind::Counter, ..layout.clone() }).collect();

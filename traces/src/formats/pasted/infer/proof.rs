@@ -53,9 +53,7 @@ fn are_columns_proven(sample: &Sample<'_>, layout: &Layout, rows: &[(usize, Row)
     }
     match layout.data {
         // A single row such as `100 2 10 aa` may stand in any text.
-        DataForm::Padded => {
-            has_hex(sample, rows) && (is_labelled || most >= 4 || is_seen(rows) || rows.len() > 1 && is_like_bus(rows))
-        }
+        DataForm::Padded => has_hex(sample, rows) && (is_labelled || rows.len() > 1 || most >= 4 || is_seen(rows)),
         DataForm::Compact => is_labelled || most >= 4 || rows.len() > 1 && most >= 3,
         // Short rows of small numbers may be anything.
         DataForm::Unpadded | DataForm::Decimal => {
@@ -68,7 +66,9 @@ fn are_columns_proven(sample: &Sample<'_>, layout: &Layout, rows: &[(usize, Row)
 /// Whether lines without length and labels are frames.
 fn are_without_length(sample: &Sample<'_>, layout: &Layout, rows: &[(usize, Row)], most: usize) -> bool {
     let has_other_words = layout.words != Words::Only(Vec::new());
-    let is_timed = is_seen(rows) || rows.iter().any(|(_, row)| row.clock.is_some() || row.date.is_some());
+    let is_timed = is_seen(rows)
+        || layout.has(Role::Time)
+        || rows.iter().any(|(_, row)| row.clock.is_some() || row.date.is_some());
     let is_long = if layout.data == DataForm::Compact { most == 8 } else { most >= 4 };
     !is_dump(rows)
         && !has_other_words

@@ -3,7 +3,7 @@
 use super::super::clock::{Plain, plain, units};
 use super::super::layout::{Behind, Core, Layout, Role};
 use super::super::question::{Question, columns_of};
-use super::super::row::Row;
+use super::super::row::{Row, clock_at};
 use super::super::token::{Kind, Token};
 use super::super::word::Word;
 use super::Sample;
@@ -128,7 +128,17 @@ pub(super) fn behind(sample: &Sample<'_>, rows: &[(usize, Row)], layout: &mut La
     let values = || {
         rows.iter().map(|(line, row)| sample.tokens(*line).get(row.next).filter(|token| token.kind == Kind::Fraction))
     };
-    if layout.core != Core::Apart || layout.behind != Behind::Nothing || !values().all(|value| value.is_some()) {
+    if layout.core != Core::Apart || layout.behind != Behind::Nothing {
+        return;
+    }
+    let has_clock = |(line, row): &(usize, Row)| {
+        row.clock.is_none() && row.date.is_none() && clock_at(sample.tokens(*line), row.next).is_some()
+    };
+    if rows.len() > 1 && rows.iter().all(has_clock) {
+        layout.behind = Behind::Clock;
+        return;
+    }
+    if !values().all(|value| value.is_some()) {
         return;
     }
     if sample.hints.cycle || is_list(sample, rows) {

@@ -1,7 +1,7 @@
 //! What follows the frame of a line: its time and direction, and the remark.
 
 use super::super::layout::{Behind, Core, DataForm};
-use super::super::token::Kind;
+use super::super::token::{Kind, Token};
 use super::super::word::{Label, Word};
 use super::{Found, Reading, Row};
 use crate::{Direction, Record};
@@ -10,7 +10,7 @@ impl Reading<'_> {
     /// Reads what follows the frame.
     pub(super) fn finish(mut self, record: Record) -> Row {
         let values = match self.layout.behind {
-            Behind::Nothing => 0,
+            Behind::Nothing | Behind::Clock => 0,
             Behind::Time | Behind::Counter => 1,
             Behind::CycleAndCount => 2,
         };
@@ -21,6 +21,9 @@ impl Reading<'_> {
                 }
                 self.at += 1;
             }
+        }
+        if self.layout.behind == Behind::Clock {
+            self.clock_behind();
         }
         self.direction_behind();
         if let Some(label) = self.channel_label() {
@@ -49,6 +52,20 @@ impl Reading<'_> {
             may_go_on,
             labelled,
             length_is_said,
+        }
+    }
+
+    /// A date and a time of the day after the frame.
+    fn clock_behind(&mut self) {
+        let Some(begin) = clock_at(self.tokens, self.at) else { return };
+        self.at = begin;
+        while let Some(token) = self.tokens.get(self.at) {
+            match token.kind {
+                Kind::Date => self.found.date = Some(self.at),
+                Kind::Clock => self.found.clock = Some(self.at),
+                _ => return,
+            }
+            self.at += 1;
         }
     }
 
@@ -93,4 +110,11 @@ impl Reading<'_> {
         };
         (self.found.direction, self.at) = (direction, self.at + 1);
     }
+}
+
+/// The place of a date or a time of the day that follows a frame, perhaps after a number of a timer.
+pub(in super::super) fn clock_at(tokens: &[Token], at: usize) -> Option<usize> {
+    let is_timer = tokens.get(at).is_some_and(|token| token.kind == Kind::Digits);
+    let begin = at + usize::from(is_timer);
+    tokens.get(begin).is_some_and(|token| matches!(token.kind, Kind::Date | Kind::Clock)).then_some(begin)
 }

@@ -45,6 +45,13 @@ impl Reading<'_> {
         Some(())
     }
 
+    /// Whether the line ends after the mark of a remote frame, so that it has no length.
+    pub(super) fn is_remote_at_end(&mut self) -> bool {
+        let is_remote = self.at == self.tokens.len() && (self.found.remote || self.found.received_or_remote);
+        self.found.remote |= is_remote;
+        is_remote
+    }
+
     /// The error frame of a line that has the word `ErrorFrame` in the place of this column, and nothing but a time and a
     /// direction after it.
     pub(super) fn error_frame(mut self, role: Role) -> Option<Row> {

@@ -111,8 +111,8 @@ impl Reading<'_> {
                 }
                 return Err((token.start, "data bytes in hex"));
             };
-            // The last group may be shorter.
-            if digits.is_some_and(|digits| bytes > digits) {
+            // The last group may be shorter. Bytes apart are no groups.
+            if digits.is_some_and(|digits| bytes > digits || digits == 1) {
                 return Err((token.start, "groups of bytes of one length"));
             }
             (digits, count, self.at) = (digits.or(Some(bytes)), count + bytes, self.at + 1);

@@ -9,6 +9,8 @@ use super::token::{Kind, Number, Token};
 use super::word::{Label, Word};
 use crate::{CanId, Direction, Flags, Record};
 
+pub(super) use behind::clock_at;
+
 /// Why a line is no frame: the place, and what was expected there.
 pub(super) type Miss = (usize, &'static str);
 
@@ -49,6 +51,7 @@ pub(super) fn read(line: &[u8], tokens: &[Token], layout: &Layout) -> Result<Row
     for role in &layout.before {
         match reading.next_value() {
             Ok(place) => reading.value(*role, place)?,
+            Err(_) if *role == Role::Length && reading.is_remote_at_end() => {}
             Err(miss) => return reading.error_frame(*role).ok_or(miss),
         }
     }
@@ -210,6 +213,9 @@ impl Reading<'_> {
         match role {
             _ if is_id && role != Role::Id => return Err((token.start, "no other identifier")),
             Role::Skip => {}
+            Role::Time if self.found.id.is_some() && token.kind != Kind::Fraction => {
+                return Err((token.start, "a time with a decimal sign"));
+            }
             Role::Time => self.found.time = Some(place),
             Role::Micros => self.found.micros = Some(place),
             Role::Channel => self.found.channel = Some(place),
