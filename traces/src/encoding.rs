@@ -34,7 +34,7 @@ fn has_bare_returns(head: &[u8]) -> bool {
     let line = head.iter().position(|byte| *byte == b'\r').unwrap_or(head.len());
     let is_text = |byte: &u8| matches!(byte, b' '..=b'~' | b'\t');
     let is_first = line > 0 && head.iter().take(line).all(is_text) && !head.contains(&b'\n');
-    is_first && matches!(head.get(line..), Some([b'\r', next, ..]) if is_text(next))
+    is_first && matches!(head.get(line..), Some([b'\r', next, ..]) if is_text(next) || *next == b'\r')
 }
 
 /// Text in UTF-16 as UTF-8.

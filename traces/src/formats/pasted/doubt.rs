@@ -21,7 +21,15 @@ fn has_numbers(tokens: &[Token]) -> bool {
     let is_number =
         |token: &&Token| matches!(token.kind, Kind::Number(_) | Kind::Digits | Kind::Notation | Kind::Slcan);
     let numbers = tokens.iter().filter(is_number).count();
-    numbers >= 2 && numbers >= unknown_words(tokens)
+    let others = tokens.iter().filter(|token| token.kind == Kind::Other).count();
+    numbers >= 2 && numbers >= unknown_words(tokens).max(others) && !names_bytes(tokens)
+}
+
+/// Whether a line is the head of a table with a column for each byte: `D0 D1 D2 D3`.
+fn names_bytes(tokens: &[Token]) -> bool {
+    let value = |token: &Token| token.number().map(|number| number.hex);
+    tokens.windows(4).any(|names| names.iter().map(value).eq((0xD0..0xD4).map(Some)))
+        && !tokens.iter().any(|token| token.number().is_some_and(|number| number.is_decimal))
 }
 
 fn unknown_words(tokens: &[Token]) -> usize {

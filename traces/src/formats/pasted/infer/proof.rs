@@ -148,8 +148,7 @@ fn is_seen(rows: &[(usize, Row)]) -> bool {
 /// The tokens of the data.
 fn data_tokens<'t>(tokens: &'t [Token], row: &Row) -> impl Iterator<Item = &'t Token> {
     let count = row.record.frame.len();
-    let values =
-        tokens.iter().take(row.next).rev().filter(|token| matches!(token.kind, Kind::Number(_) | Kind::Digits));
+    let values = tokens.iter().take(row.end).rev().filter(|token| matches!(token.kind, Kind::Number(_) | Kind::Digits));
     values.take(count.max(1))
 }
 

@@ -9,6 +9,7 @@ use crate::{Direction, Record};
 impl Reading<'_> {
     /// Reads what follows the frame.
     pub(super) fn finish(mut self, record: Record) -> Row {
+        let end = self.at;
         let values = match self.layout.behind {
             Behind::Nothing | Behind::Clock => 0,
             Behind::Time | Behind::Counter => 1,
@@ -46,6 +47,7 @@ impl Reading<'_> {
             date,
             channel,
             remark,
+            end,
             next,
             id,
             width_is_said,
@@ -88,7 +90,8 @@ impl Reading<'_> {
         let is_open = match layout.core {
             Core::Notation => frame.is_remote() || frame.len() < 8,
             Core::Slcan => false,
-            Core::Apart if frame.is_remote() => false,
+            // `R` may be the beginning of `Rx`.
+            Core::Apart if frame.is_remote() => self.found.len.is_none() || self.found.received_or_remote,
             Core::Apart => {
                 let has_length = self.found.len.is_some_and(|len| len > 0);
                 !has_length && frame.len() < 8 || matches!(layout.data, DataForm::Unpadded | DataForm::Decimal)

@@ -31,6 +31,8 @@ pub(super) struct Row {
     pub(super) channel: Option<usize>,
     /// The offset of the remark in the line.
     pub(super) remark: usize,
+    /// The first token after the data.
+    pub(super) end: usize,
     /// The first token after the frame and its columns.
     pub(super) next: usize,
     /// The digits of the identifier, where it is a column.
