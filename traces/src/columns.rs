@@ -185,6 +185,13 @@ impl Columns {
         self.columns.iter().find_map(|column| if let Column::Data(radix) = column { *radix } else { None })
     }
 
+    /// The detail in the brackets of the column with this name, if it has one.
+    pub(crate) fn detail<'a>(&'a self, name: &str) -> &'a str {
+        let detail = |column: &'a str| column.trim().strip_prefix(name)?.strip_prefix('[')?.strip_suffix(']');
+        let found = self.text.split(',').find_map(detail);
+        found.unwrap_or_default()
+    }
+
     /// Whether dates with slashes begin with the month, if the columns give it.
     pub(crate) fn month_first(&self) -> Option<bool> {
         self.columns.iter().find_map(|column| {

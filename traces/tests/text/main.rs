@@ -21,6 +21,8 @@ mod pasted_nothing;
 #[cfg(test)]
 mod pasted_pitfalls;
 #[cfg(test)]
+mod pasted_times;
+#[cfg(test)]
 mod pasted_tools;
 #[cfg(test)]
 mod samples;

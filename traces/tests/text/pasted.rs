@@ -348,6 +348,15 @@ fn only_rows_of_a_table_can_be_damaged() {
     assert_eq!((given.frames.len(), given.damages[0].place.number), (1, 4));
 }
 
+/// Checks the frames, and the lines that are told as damage.
+#[track_caller]
+pub fn tells(text: &str, frames: &[&str], lines: &[u64]) {
+    let given = given(text);
+    assert_eq!(given.frames, frames, "{text}\n{:?}\n{:?}", given.interpretation, given.damages);
+    let told: Vec<u64> = given.damages.iter().map(|damage| damage.place.number).collect();
+    assert_eq!(told, lines, "{text}\n{:?}", given.damages);
+}
+
 /// Checks that the text fits two readings, and what each of them gives.
 #[track_caller]
 pub fn asks(text: &str, readings: [(&str, &[&str]); 2]) {

@@ -1,6 +1,6 @@
 //! The layouts that columns can mean which a person gives.
 
-use super::layout::{Core, DataForm, Layout, Role};
+use super::layout::{Core, DataForm, Given, Layout, Role};
 use crate::columns::{Column, Columns, IdForm, Radix};
 
 /// The layouts that these columns can mean. Times of the day, dates and names of channels are no numbers, so they
@@ -35,6 +35,8 @@ fn layout(columns: &Columns, form: DataForm, time: bool, channel: bool) -> Layou
     };
     let mut layout = Layout::new(columns.columns.iter().filter_map(role).collect(), Core::Apart, form);
     layout.id_is_decimal = columns.columns.contains(&Column::Id(IdForm::Decimal));
+    let [id, data, date] = ["id", "data", "date"].map(|name| columns.detail(name).to_owned());
+    layout.given = Given { id, data, date };
     layout.differences = columns.columns.iter().any(|column| matches!(column, Column::Delta(_)));
     layout.month_first = columns.month_first().unwrap_or(layout.month_first);
     layout.wide_is_standard = columns.columns.contains(&Column::Id(IdForm::Bits11));

@@ -76,6 +76,16 @@ pub(super) struct Layout {
     pub(super) id_digits: u16,
     /// Whether labels without meaning may be before the identifier.
     pub(super) has_labels: bool,
+    /// The details that a person gave, so that the next question keeps them.
+    pub(super) given: Given,
+}
+
+/// The details of columns that a person gave: `hex`, `11`, `mdy`; empty: none.
+#[derive(Clone, Default, PartialEq, Eq, Debug)]
+pub(super) struct Given {
+    pub(super) id: String,
+    pub(super) data: String,
+    pub(super) date: String,
 }
 
 impl Layout {
@@ -95,6 +105,7 @@ impl Layout {
             arrow_is_mark: false,
             id_digits: 0,
             has_labels: true,
+            given: Given::default(),
         }
     }
 

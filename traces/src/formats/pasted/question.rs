@@ -35,8 +35,16 @@ impl fmt::Display for Question {
 
 /// The columns of a layout as a person gives them. Details that are not in doubt are named only where they are unusual.
 pub(super) fn columns_of(layout: &Layout, unit: &str, id: &str, data: &str) -> String {
-    let id = if id.is_empty() && layout.id_is_decimal { "dec" } else { id };
-    let data = if data.is_empty() && layout.data == DataForm::Decimal { "dec" } else { data };
+    let id = match () {
+        () if !id.is_empty() => id,
+        () if layout.id_is_decimal => "dec",
+        () => &layout.given.id,
+    };
+    let data = match () {
+        () if !data.is_empty() => data,
+        () if layout.data == DataForm::Decimal => "dec",
+        () => &layout.given.data,
+    };
     let time = if layout.differences { "delta" } else { "time" };
     let with = |name: &str, detail: &str| {
         if detail.is_empty() { name.to_owned() } else { format!("{name}[{detail}]") }
@@ -48,7 +56,8 @@ pub(super) fn columns_of(layout: &Layout, unit: &str, id: &str, data: &str) -> S
         Role::Id => with("id", id),
         Role::Length => "len".to_owned(),
     };
-    let mut columns: Vec<String> = layout.before.iter().map(column).collect();
+    let date = (!layout.given.date.is_empty()).then(|| with("date", &layout.given.date));
+    let mut columns: Vec<String> = date.into_iter().chain(layout.before.iter().map(column)).collect();
     columns.push(with("data", data));
     columns.join(",")
 }

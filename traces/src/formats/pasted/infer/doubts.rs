@@ -1,7 +1,7 @@
 //! Questions where lines fit two readings.
 
 use super::super::clock::order;
-use super::super::layout::{Core, DataForm, Layout, Role};
+use super::super::layout::{Core, DataForm, Given, Layout, Role};
 use super::super::question::{Question, columns_of};
 use super::super::row::Row;
 use super::Sample;
@@ -92,8 +92,11 @@ pub(super) fn dates(sample: &Sample<'_>, layout: &mut Layout) -> Result<(), Ques
         layout.month_first = month_first;
         return Ok(());
     }
-    let columns =
-        ["mdy", "dmy"].map(|order| format!("date[{order}],{}", columns_of(layout, layout.unit.symbol(), "", "")));
+    let columns = ["mdy", "dmy"].map(|order| {
+        let given = Given { date: order.to_owned(), ..layout.given.clone() };
+        let layout = Layout { given, ..layout.clone() };
+        columns_of(&layout, layout.unit.symbol(), "", "")
+    });
     Err(Question::new("dates that begin with the month", "dates that begin with the day", columns))
 }
 

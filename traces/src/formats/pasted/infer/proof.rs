@@ -53,7 +53,10 @@ fn are_columns_proven(sample: &Sample<'_>, layout: &Layout, rows: &[(usize, Row)
     }
     match layout.data {
         // A single row such as `100 2 10 aa` may stand in any text.
-        DataForm::Padded => has_hex(sample, rows) && (is_labelled || rows.len() > 1 || most >= 4 || is_seen(rows)),
+        DataForm::Padded => {
+            let is_row = rows.len() > 1 || most >= 4 && (has_letters(sample, rows) || has_zeros(rows));
+            has_hex(sample, rows) && (is_labelled || is_seen(rows) || is_row && !are_pairs(sample, rows))
+        }
         DataForm::Compact => is_labelled || most >= 4 || rows.len() > 1 && most >= 3,
         // Short rows of small numbers may be anything.
         DataForm::Unpadded | DataForm::Decimal => {
@@ -73,12 +76,11 @@ fn are_without_length(sample: &Sample<'_>, layout: &Layout, rows: &[(usize, Row)
     !is_dump(rows)
         && !has_other_words
         && are_bare_ids(rows)
+        && (!layout.id_is_decimal || rows.iter().any(|(_, row)| row.id.is_some_and(|id| id.hex > CanId::MAX_STANDARD)))
         && (is_long || is_seen(rows) && rows.len() > 1 && layout.data == DataForm::Padded)
         && match layout.data {
             DataForm::Compact => is_timed || is_no_hash(rows),
-            _ => {
-                has_letters(sample, rows) || has_hex(sample, rows) && (is_timed || is_like_bus(rows)) || has_zeros(rows)
-            }
+            _ => has_letters(sample, rows) || has_hex(sample, rows) && is_timed || has_zeros(rows),
         }
 }
 
@@ -105,6 +107,18 @@ fn are_counters(sample: &Sample<'_>, rows: &[(usize, Row)]) -> bool {
 fn has_letters(sample: &Sample<'_>, rows: &[(usize, Row)]) -> bool {
     let has_letter = |token: &Token| token.number().is_some_and(|number| !number.is_decimal);
     rows.iter().any(|(line, row)| data_tokens(sample.tokens(*line), row).any(has_letter))
+}
+
+/// Whether all numbers after the identifiers are pairs of decimal digits, as in timetables, the length too. A zero that
+/// follows another number is that of a message.
+fn are_pairs(sample: &Sample<'_>, rows: &[(usize, Row)]) -> bool {
+    let is_padded = |(line, row): &(usize, Row)| {
+        let values: Vec<_> = sample.tokens(*line).iter().take(row.end).filter(|token| token.is_value()).collect();
+        let length = values.len().checked_sub(row.record.frame.len() + 1).and_then(|at| values.get(at));
+        length.and_then(|token| token.number()).is_some_and(|number| number.digits == 2)
+    };
+    let has_zero = rows.iter().any(|(_, row)| row.record.frame.data().iter().skip(1).any(|byte| *byte == 0));
+    !has_letters(sample, rows) && !has_zero && rows.iter().all(is_padded)
 }
 
 /// Whether a row has eight bytes with two zeros in a row, as messages have and timetables don't.
@@ -172,5 +186,5 @@ fn are_bare_ids(rows: &[(usize, Row)]) -> bool {
     let usual = ids.filter(|id| id.digits == 3 || id.extended || id.digits == 4 || id.digits == 8);
     let three = rows.iter().filter_map(|(_, row)| row.id).any(|id| id.digits == 3 || id.extended);
     // A line of prose may begin with two numbers.
-    5 * usual.count() >= 4 * rows.len() && (three || rows.len() >= 2)
+    3 * usual.count() >= 2 * rows.len() && (three || rows.len() >= 2)
 }

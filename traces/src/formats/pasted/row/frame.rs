@@ -102,7 +102,7 @@ impl Reading<'_> {
     fn groups(&mut self) -> Result<([u8; MOST_BYTES], usize), Miss> {
         let (mut data, mut count, mut digits) = ([0; MOST_BYTES], 0, None);
         let is_grouped = self.found.labelled || self.found.len.is_some();
-        while self.found.len.is_none_or(|len| count < len) && !(digits.is_some() && !is_grouped) {
+        while (digits.is_none() || is_grouped) && self.found.len.is_none_or(|len| count < len) {
             let Some(token) = self.tokens.get(self.at).filter(|token| !token.aside) else { break };
             let place = data.get_mut(count..).unwrap_or_default();
             let Some(bytes) = compact(token, self.line, place) else {
