@@ -1,6 +1,6 @@
 //! Times, channels and columns of pasted lines that are easily misread.
 
-use crate::pasted::{asks, directions, given, gives, micros, open_with, tells};
+use crate::pasted::{asks, directions, gives, micros, open_with, tells};
 use canvass_traces::*;
 
 const REQUEST: &str = "605#4000100000000000";

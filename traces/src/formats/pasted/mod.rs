@@ -6,7 +6,7 @@
 //! identifier = `605`, `0x605`, `605h`; `18FF1234x` or eight digits for 29 bits
 //! length   = `8`, `[8]`, `DLC: 8`
 //! data     = bytes apart, together, with `0x`, with commas; in hexadecimal with or without leading zeros, or in decimal
-//! behind   = time, direction, channel
+//! behind   = time, date, direction, channel, number of the line
 //! ```
 //!
 //! A line may also hold a frame in candump's notation (`605#4000…`) or SLCAN's (`t6058…`), and a table may name its
@@ -17,6 +17,7 @@
 //! - Times are plain numbers in a unit that a bus allows, times of the day, or dates. Times of the day without a date
 //!   count from midnight of the first day.
 //! - What follows a frame is its remark, and becomes the record's comment.
+//! - A line with two frames is malformed; both are kept.
 //! - A line that looks like a frame and is none is malformed. Any other line is prose, and is passed over.
 //! - A last line without line end is read if its length shows that it is whole, or if it has eight bytes.
 

@@ -57,7 +57,8 @@ fn infer_with(head: &[u8], columns: Option<&Columns>, commas: Commas) -> Result<
     behind(&sample, &rows, &mut layout);
     layout.arrow_is_mark = is_arrow_a_mark(&sample, &rows);
     layout.id_digits = id_digits(&sample, &rows, &layout);
-    layout.has_labels = columns.is_some() || 2 * rows.iter().filter(|(_, row)| row.other_label).count() >= rows.len();
+    let with_label = rows.iter().filter(|(_, row)| row.other_label).count();
+    layout.has_labels = columns.is_some() || 2 * with_label >= rows.len();
     time(&sample, &mut layout, columns)?;
     ask(&sample, &mut layout, columns)?;
     Ok(Some(layout))
@@ -83,8 +84,8 @@ fn ask(sample: &Sample<'_>, layout: &mut Layout, columns: Option<&Columns>) -> R
     if columns.is_none() { radix(sample, layout) } else { Ok(()) }
 }
 
-/// The numbers of digits of the identifiers, as bits. Without a length only usual numbers count, for other lines may be prose;
-/// leading zeros are before all identifiers or before none.
+/// The numbers of digits of the identifiers, as bits. Without a length only usual numbers of digits count, for other lines
+/// may be prose; leading zeros are before all identifiers or before none.
 fn id_digits(sample: &Sample<'_>, rows: &[(usize, Row)], layout: &Layout) -> u16 {
     // A strange number with a text behind it may be prose.
     let is_whole = |(line, row): &&(usize, Row)| {

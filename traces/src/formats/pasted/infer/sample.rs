@@ -93,21 +93,13 @@ impl Hints {
         let is_head =
             is_comment || ["id", "identifier", "can-id", "cob-id"].into_iter().any(|name| is_word(&lower, name));
         self.cycle |= has("cycle time") && has("count") && is_head;
-        if !is_head || lower.iter().filter(|byte| **byte == b' ').count() > 40 && !is_comment {
+        if !is_head {
             return;
         }
         let named = |unit: &Unit| {
-            ["time", "timestamp", "time stamp", "offset"].into_iter().any(|name| {
-                let symbol = unit.symbol();
-                [
-                    format!("{name} [{symbol}]"),
-                    format!("{name}[{symbol}]"),
-                    format!("{name} ({symbol})"),
-                    format!("{name}({symbol})"),
-                ]
-                .iter()
-                .any(|text| has(text))
-            })
+            let forms = [" [", "[", " (", "("].map(|open| format!("{open}{}", unit.symbol()));
+            let names = ["time", "timestamp", "time stamp", "offset"];
+            names.into_iter().any(|name| forms.iter().any(|form| has(&format!("{name}{form}"))))
         };
         self.unit = self.unit.or_else(|| Unit::ALL.into_iter().find(named));
     }
