@@ -14,6 +14,8 @@ fn short_numbers_after_frames_are_no_frames() {
         let given = given(&format!("{}\n{}\n705 05\n{line}\n705 05\n", ID_BYTES[0], ID_BYTES[1]));
         assert_eq!(given.frames, [REQUEST, ANSWER, BEAT, BEAT], "{line}");
     }
+    // It may be a page, or a frame without data.
+    tells("605 40 00 10 00 00 00 00 00\n123\n585 43 00 10 00 92 01 02 00\n", BOTH, &[2]);
     gives("605 40 00 10 00 00 00 00 00\n585 43 00 10 00 92 01 02 00\n705 05\n080\n", &[REQUEST, ANSWER, BEAT, "080#"]);
     let long = "605 8 40 00 10 00 00 00 00 00\n585 8 43 00 10 00 92 01 02 00\n".repeat(5);
     tells(&format!("{long}1 1 10 minutes later\n"), &BOTH.repeat(5), &[11]);
@@ -40,6 +42,7 @@ fn two_frames_in_a_line_are_both_kept_and_told() {
     ] {
         let given = given(text);
         assert_eq!(&given.frames[..2], [REQUEST, BEAT], "{text}");
+        assert_eq!(given.records[0].comment(), None, "{text}");
         let [damage] = &given.damages[..] else { panic!("{text}: {:?}", given.damages) };
         assert_eq!(damage.place.number, 1);
         let second = damage.salvaged.as_ref().map(|record| record.notation().to_string());
@@ -85,6 +88,8 @@ fn flags_have_values() {
     }
     let wide = "id=0x605 is_extended=True dlc=8 data=40 00 10 00 00 00 00 00\n";
     gives(&wide.repeat(2), &["00000605#4000100000000000"; 2]);
+    let with_data = "ID: 605 RTR: 1 DLC: 2 Data: 01 02\nID: 605 RTR: 0 DLC: 2 Data: 01 02\n";
+    tells(with_data, &["605#0102"], &[1]);
     gives("ID: 0x605 IDE: 1 RTR: 1 DLC: 4\nID: 0x605 IDE: 0 RTR: 0 DLC: 2 Data: 01 02\n", &["00000605#R4", "605#0102"]);
     let given = gives(
         "t 605 8 40 00 10 00 00 00 00 00\nr 585 8 43 00 10 00 92 01 02 00\nr 705 1 05\n",
@@ -178,6 +183,9 @@ fn labelled_identifiers_may_be_decimal() {
     let mixed = "385 4 00 01 A2 00\n641 4 12 00 0C 01\n385 4 00 02 A2 00\n1541 8 40 00 10 00 00 00 00 00\n1413 8 43 00 10 00 92 01 02 00\n";
     let error = open_with(mixed, None).err().unwrap().to_string();
     assert!(error.contains("id[dec]"), "{error}");
+    let one =
+        "385 8 0 1 A2 0 0 FF 3 0\n641 4 12 0 C 1\n128 0\n1797 1 5\n385 8 0 2 A2 0 0 FF 3 0\n641 4 12 0 C 1\n128 0\n";
+    assert!(open_with(one, None).err().unwrap().to_string().contains("id[dec]"), "a single one of four digits");
     let given = open_with(mixed, Some("id[dec],len,data")).unwrap();
     assert_eq!(given.frames, ["181#0001A200", "281#12000C01", "181#0002A200", REQUEST, ANSWER]);
 }

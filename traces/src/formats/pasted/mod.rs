@@ -171,8 +171,11 @@ impl Pasted {
         tokenise(line.bytes, layout.commas, &mut self.tokens);
         match row::read(line.bytes, &self.tokens, layout) {
             Ok(row) if !line.ended && row.may_go_on => Some(Err(line.cut(REST))),
-            Ok(row) => {
+            Ok(mut row) => {
                 let second = row::second(line.bytes, &self.tokens, layout, row.next);
+                if second.as_ref().is_some_and(|second| second.is_next) {
+                    row.remark = line.bytes.len();
+                }
                 let record = self.record(line, row, layout, channels);
                 self.surplus = second.map(|second| surplus(line, second, record.as_ref().ok()));
                 Some(record)
@@ -220,8 +223,8 @@ impl Pasted {
         let direction = row.record.direction;
         let record = row.record.seen(time, channel, direction, line.place);
         Ok(match remark(line.bytes.get(row.remark..).unwrap_or_default()) {
-            Some(remark) => record.with_comment(remark),
-            None => record,
+            Some(text) if !remark::shows_data(text, record.data()) => record.with_comment(text),
+            _ => record,
         })
     }
 

@@ -69,8 +69,8 @@ pub(super) fn long_identifiers(sample: &Sample<'_>, layout: &Layout) -> Result<(
     let is_standard = |row: &Row| row.record.frame.id().raw() <= CanId::MAX_STANDARD;
     let long = other.iter().filter(|(_, row)| is_long(row) && is_standard(row)).count();
     // Some damaged lines of hexadecimal identifiers have four digits too.
-    if other.len() < hex.len() || 5 * long < other.len() || long == 0 || !other.iter().all(|(_, row)| is_standard(row))
-    {
+    let is_sure = 5 * long >= other.len() || other.len() > hex.len() && sample.fits(&decimal);
+    if other.len() < hex.len() || !is_sure || long == 0 || !other.iter().all(|(_, row)| is_standard(row)) {
         return Ok(());
     }
     let columns = ["hex", "dec"].map(|radix| columns_of(layout, layout.unit.symbol(), radix, ""));

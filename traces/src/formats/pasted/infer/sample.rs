@@ -56,6 +56,11 @@ impl<'a> Sample<'a> {
         self.lines.iter().enumerate().filter_map(row).collect()
     }
 
+    /// Whether a layout reads all lines with numbers, also as frames without data.
+    pub(super) fn fits(&self, layout: &Layout) -> bool {
+        self.lines.iter().all(|(line, tokens)| read(line, tokens, layout).is_ok())
+    }
+
     /// Number of lines with two or more bytes in a row, or with a whole frame.
     pub(super) fn alike(&self) -> usize {
         let is_byte = |token: &Token| token.number().is_some_and(|number| number.digits == 2 && !number.extended);

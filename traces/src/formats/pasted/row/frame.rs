@@ -19,7 +19,8 @@ impl Reading<'_> {
         let next = self.tokens.get(self.at).filter(|token| !token.aside).map(|token| token.kind);
         let is_number = matches!(next, Some(Kind::Number(_) | Kind::Digits));
         self.found.decide_letter(is_number && self.found.len != Some(0));
-        if self.found.remote && self.found.len.is_none() && is_number {
+        let may_be_behind = self.found.len.is_some() && self.layout.behind != Behind::Nothing;
+        if self.found.remote && is_number && !may_be_behind {
             return Err((begin, "a remote frame without data"));
         }
         let (data, count) = if self.found.remote { ([0; MOST_BYTES], 0) } else { self.data()? };
