@@ -101,8 +101,8 @@ impl Unit {
 pub enum ColumnsError {
     /// A column has an unknown name.
     #[error(
-        "unknown column \"{0}\": expected line, time, time[s], time[ms], time[us], time[ns], delta (with the same units), \
-         date[dmy], date[mdy], channel, dir, id, id[hex], id[dec], id[11], id[29], len, data, data[hex] or \
+        "unknown column \"{0}\": expected line, time, time[s], time[ms], time[us], time[ns], delta (with the same \
+         units), date[dmy], date[mdy], channel, dir, id, id[hex], id[dec], id[11], id[29], len, data, data[hex] or \
          data[dec]"
     )]
     Unknown(String),

@@ -1,4 +1,5 @@
-//! Texts in UTF-16, as some editors write them, and with line ends of a carriage return alone, as SLCAN adapters send them.
+//! Texts in UTF-16, as some editors write them, and texts whose lines end in a carriage return alone, as SLCAN adapters
+//! send them.
 //!
 //! Offsets are those in the text in UTF-8 with line feeds.
 

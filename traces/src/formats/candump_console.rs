@@ -58,7 +58,7 @@ pub(crate) fn sniff(head: &[u8]) -> bool {
     rows > 0 && 2 * rows >= lines().filter(|line| has_length(line)).count()
 }
 
-/// Whether the line begins like one of candump. A name without a number may be any word of a text, if no frame follows it.
+/// Whether the line begins like one of candump. A name without a number may be any word of a text if no frame follows.
 fn is_row(line: &[u8]) -> bool {
     let Ok((rest, start)) = start(line) else { return false };
     start.brackets

@@ -30,8 +30,8 @@ pub(super) fn plain(text: &[u8]) -> Option<Plain> {
     Some(Plain { billionths: u128::from(whole) * u128::from(SECOND) + u128::from(fraction), decimals })
 }
 
-/// The units that fit the times of lines: a bus at 1 Mbit/s has at most one frame in 40 µs. A dialogue has more than one
-/// frame a minute; chosen lines, such as those of one message, may have a day between them.
+/// The units that fit the times of lines: a bus at 1 Mbit/s has at most one frame in 40 µs. A dialogue has more than
+/// one frame a minute; chosen lines, such as those of one message, may have a day between them.
 pub(super) fn units(times: &[Plain]) -> Vec<Unit> {
     const SHORTEST: u128 = 40_000;
     const MINUTE: u128 = 60 * SECOND as u128;

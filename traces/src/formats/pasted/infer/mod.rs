@@ -84,8 +84,8 @@ fn ask(sample: &Sample<'_>, layout: &mut Layout, columns: Option<&Columns>) -> R
     if columns.is_none() { radix(sample, layout) } else { Ok(()) }
 }
 
-/// The numbers of digits of the identifiers, as bits. Without a length only usual numbers of digits count, for other lines
-/// may be prose; leading zeros are before all identifiers or before none.
+/// The numbers of digits of the identifiers, as bits. Without a length only usual ones count, for other lines may be
+/// prose; leading zeros are before all identifiers or before none.
 fn id_digits(sample: &Sample<'_>, rows: &[(usize, Row)], layout: &Layout) -> u16 {
     // A strange number with a text behind it may be prose.
     let is_whole = |(line, row): &&(usize, Row)| {

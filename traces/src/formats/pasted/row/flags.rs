@@ -52,8 +52,8 @@ impl Reading<'_> {
         is_remote
     }
 
-    /// The error frame of a line that has the word `ErrorFrame` in the place of this column, and nothing but a time and a
-    /// direction after it.
+    /// The error frame of a line that has the word `ErrorFrame` in the place of the identifier, and nothing but a time and
+    /// a direction after it.
     pub(super) fn error_frame(mut self, role: Role) -> Option<Row> {
         let is_error = |token: &Token| token.kind == Kind::Word(Word::ErrorFrame);
         if role != Role::Id || self.layout.core != Core::Apart || !self.tokens.get(self.at).is_some_and(is_error) {

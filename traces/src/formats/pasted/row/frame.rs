@@ -55,8 +55,8 @@ impl Reading<'_> {
         matches!(next, Some(Kind::Word(Word::Remote | Word::ReceivedOrRemote)))
     }
 
-    /// Whether an identifier without length and data is a frame, and not any number: a time, a direction or a channel is
-    /// beside it, or it could not be a decimal number.
+    /// Whether an identifier without length and data is a frame, and not any number: a time, a direction or a channel
+    /// is beside it, or it could not be a decimal number.
     fn is_frame_alone(&self, number: &Number, at: usize) -> bool {
         let is_seen = self.layout.has(Role::Time) || self.found.clock.is_some() || self.found.channel.is_some();
         let text = self.line.get(at..at + usize::from(number.digits)).unwrap_or_default();

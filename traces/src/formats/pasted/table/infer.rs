@@ -76,8 +76,8 @@ impl Table {
         }
     }
 
-    /// Whether nothing but the numbers of bytes says that the rows are frames: sizes and data are columns of other tables
-    /// too, whose numbers are decimal.
+    /// Whether nothing but the numbers of bytes says that the rows are frames: other tables have sizes and data too, and
+    /// their numbers are decimal.
     fn is_of_something_else(&self, rows: &[&[u8]]) -> bool {
         let is_about_frames = |field: &Field| {
             matches!(field, Field::Length | Field::Extended | Field::Direction | Field::Kind | Field::Channel)
