@@ -1,6 +1,7 @@
 //! Opening a capture of any format.
 
 use crate::compression;
+use crate::encoding;
 use crate::formats::pasted;
 use crate::{
     Channels, Damage, Format, Question, ReadOptions, Reader, Record, SkipSet, Source, SourceError, TimeBase, Unread,
@@ -89,13 +90,13 @@ impl Capture {
     }
 
     /// Reads a source and gives the capture this name. A source compressed by gzip or zstd is decompressed; offsets are
-    /// those in the decompressed content.
+    /// those in the decompressed content. A text in UTF-16 is read as UTF-8.
     ///
     /// # Errors
     /// [`OpenError`] if nothing can be read, it is empty, or no format matches.
     pub fn from_source(name: &str, source: Source, options: &ReadOptions) -> Result<Self, OpenError> {
-        let mut source =
-            compression::decompressed(source).map_err(|source| OpenError::Source { name: name.to_owned(), source })?;
+        let failed = |source| OpenError::Source { name: name.to_owned(), source };
+        let mut source = compression::decompressed(source).and_then(encoding::readable).map_err(failed)?;
         let format = match options.format {
             Some(format) => format,
             None => recognise(name, &mut source, options)?,
@@ -127,8 +128,11 @@ impl Capture {
 /// lines in no known format are read up to [`Format::SNIFF`].
 fn recognise(name: &str, source: &mut Source, options: &ReadOptions) -> Result<Format, OpenError> {
     loop {
-        if let Some(format) = Format::sniff_known(source.window()) {
-            return Ok(format);
+        match Format::sniff_known(source.window()) {
+            // Rows of a console are lines with columns too.
+            Some(Format::CandumpConsole) if options.columns.is_some() => return Ok(Format::Pasted),
+            Some(format) => return Ok(format),
+            None => {}
         }
         let failed = |source| OpenError::Source { name: name.to_owned(), source };
         if source.window().len() < Format::SNIFF && source.fill().map_err(failed)? {

@@ -23,6 +23,10 @@ pub struct Columns {
 pub(crate) enum Column {
     Line,
     Time(Option<Unit>),
+    /// The time since the line before.
+    Delta(Option<Unit>),
+    /// A date whose numbers slashes separate.
+    Date(DateOrder),
     Channel,
     Direction,
     Id(IdForm),
@@ -33,9 +37,18 @@ pub(crate) enum Column {
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(crate) enum IdForm {
     Usual,
+    Hexadecimal,
+    /// An identifier of eight digits has 29 bits.
+    Bits29,
     Decimal,
     /// An identifier of eight digits has 11 bits.
     Bits11,
+}
+
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(crate) enum DateOrder {
+    DayFirst,
+    MonthFirst,
 }
 
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
@@ -88,8 +101,9 @@ impl Unit {
 pub enum ColumnsError {
     /// A column has an unknown name.
     #[error(
-        "unknown column \"{0}\": expected line, time, time[s], time[ms], time[us], time[ns], channel, dir, id, id[hex], \
-         id[dec], id[11], id[29], len, data, data[hex] or data[dec]"
+        "unknown column \"{0}\": expected line, time, time[s], time[ms], time[us], time[ns], delta (with the same \
+         units), date[dmy], date[mdy], channel, dir, id, id[hex], id[dec], id[11], id[29], len, data, data[hex] or \
+         data[dec]"
     )]
     Unknown(String),
     /// The identifier or the data are missing, or the data are not last.
@@ -119,9 +133,14 @@ fn column(name: &str) -> Option<Column> {
     Some(match name {
         "line" | "number" | "-" => Column::Line,
         "time" => Column::Time(None),
+        "delta" => Column::Delta(None),
+        "date[dmy]" => Column::Date(DateOrder::DayFirst),
+        "date[mdy]" => Column::Date(DateOrder::MonthFirst),
         "channel" | "bus" => Column::Channel,
         "dir" | "direction" => Column::Direction,
-        "id" | "id[hex]" | "id[29]" => Column::Id(IdForm::Usual),
+        "id" => Column::Id(IdForm::Usual),
+        "id[hex]" => Column::Id(IdForm::Hexadecimal),
+        "id[29]" => Column::Id(IdForm::Bits29),
         "id[dec]" => Column::Id(IdForm::Decimal),
         "id[11]" => Column::Id(IdForm::Bits11),
         "len" | "dlc" => Column::Length,
@@ -129,8 +148,13 @@ fn column(name: &str) -> Option<Column> {
         "data[hex]" => Column::Data(Some(Radix::Hexadecimal)),
         "data[dec]" => Column::Data(Some(Radix::Decimal)),
         _ => {
-            let unit = name.strip_prefix("time[")?.strip_suffix(']')?;
-            Column::Time(Some(Unit::by_symbol(unit.as_bytes())?))
+            let (kind, unit) = name.strip_suffix(']')?.split_once('[')?;
+            let unit = Some(Unit::by_symbol(unit.as_bytes())?);
+            match kind {
+                "time" => Column::Time(unit),
+                "delta" => Column::Delta(unit),
+                _ => return None,
+            }
         }
     })
 }
@@ -144,11 +168,51 @@ impl fmt::Display for Columns {
 impl Columns {
     /// The unit of the time, if the columns give it.
     pub(crate) fn unit(&self) -> Option<Unit> {
-        self.columns.iter().find_map(|column| if let Column::Time(unit) = column { *unit } else { None })
+        let unit = |column: &Column| match column {
+            Column::Time(unit) | Column::Delta(unit) => *unit,
+            _ => None,
+        };
+        self.columns.iter().find_map(unit)
+    }
+
+    pub(crate) fn id(&self) -> IdForm {
+        let id = |column: &Column| if let Column::Id(form) = column { Some(*form) } else { None };
+        self.columns.iter().find_map(id).unwrap_or(IdForm::Usual)
+    }
+
+    /// The radix of the data, if the columns give it.
+    pub(crate) fn data(&self) -> Option<Radix> {
+        self.columns.iter().find_map(|column| if let Column::Data(radix) = column { *radix } else { None })
+    }
+
+    /// The detail in the brackets of the column with this name, if it has one.
+    pub(crate) fn detail<'a>(&'a self, name: &str) -> &'a str {
+        let detail = |column: &'a str| column.trim().strip_prefix(name)?.strip_prefix('[')?.strip_suffix(']');
+        let found = self.text.split(',').find_map(detail);
+        found.unwrap_or_default()
+    }
+
+    /// Whether dates with slashes begin with the month, if the columns give it.
+    pub(crate) fn month_first(&self) -> Option<bool> {
+        self.columns.iter().find_map(|column| {
+            if let Column::Date(order) = column { Some(*order == DateOrder::MonthFirst) } else { None }
+        })
     }
 
     pub(crate) fn decides_wide_ids(&self) -> bool {
-        self.text.contains("id[11]") || self.text.contains("id[29]")
+        matches!(self.id(), IdForm::Bits11 | IdForm::Bits29)
+    }
+
+    pub(crate) fn decides_ids(&self) -> bool {
+        self.id() != IdForm::Usual
+    }
+
+    pub(crate) fn decides_data(&self) -> bool {
+        self.data().is_some()
+    }
+
+    pub(crate) fn decides_dates(&self) -> bool {
+        self.month_first().is_some()
     }
 }
 

@@ -47,6 +47,7 @@ mod columns;
 mod compression;
 mod damage;
 mod digits;
+mod encoding;
 mod format;
 mod formats;
 mod frame;

@@ -52,8 +52,26 @@ use std::borrow::Cow;
 const SNIFF_LINES: usize = 200;
 
 pub(crate) fn sniff(head: &[u8]) -> bool {
-    let is_row = |start: &Start<'_>| start.brackets && may_be_interface(start.name);
-    head_lines(head).take(SNIFF_LINES).any(|(line, _)| start(&without_colours(line)).is_ok_and(|(_, s)| is_row(&s)))
+    let lines = || head_lines(head).take(SNIFF_LINES).map(|(line, _)| without_colours(line));
+    let rows = lines().filter(|line| is_row(line)).count();
+    // A row of candump in a text of another tool does not decide.
+    rows > 0 && 2 * rows >= lines().filter(|line| has_length(line)).count()
+}
+
+/// Whether the line begins like one of candump. A name without a number may be any word of a text if no frame follows.
+fn is_row(line: &[u8]) -> bool {
+    let Ok((rest, start)) = start(line) else { return false };
+    start.brackets
+        && may_be_interface(start.name)
+        && (start.name.last().is_some_and(u8::is_ascii_digit) || body(rest, start.id, start.flags).is_ok())
+}
+
+/// Whether the line has a length in brackets or braces, with a blank before and after it.
+fn has_length(line: &[u8]) -> bool {
+    let mut words = line.split(|byte| *byte == b' ');
+    words.any(
+        |word| matches!(word, [b'[', digits @ .., b']'] if !digits.is_empty() && digits.iter().all(u8::is_ascii_digit)),
+    )
 }
 
 /// Whether the word before an identifier may be the name of an interface: rows of other tools have a time or a direction

@@ -19,6 +19,12 @@ mod pasted_forms;
 #[cfg(test)]
 mod pasted_nothing;
 #[cfg(test)]
+mod pasted_pitfalls;
+#[cfg(test)]
+mod pasted_times;
+#[cfg(test)]
+mod pasted_tools;
+#[cfg(test)]
 mod samples;
 #[cfg(test)]
 mod trc;

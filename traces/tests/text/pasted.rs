@@ -87,11 +87,11 @@ pub fn gives(text: &str, frames: &[&str]) -> Given {
     given
 }
 
-fn micros(given: &Given) -> Vec<u64> {
+pub fn micros(given: &Given) -> Vec<u64> {
     given.records.iter().map(|record| record.timestamp.nanos() / 1_000).collect()
 }
 
-fn directions(given: &Given) -> Vec<Direction> {
+pub fn directions(given: &Given) -> Vec<Direction> {
     given.records.iter().map(|record| record.direction).collect()
 }
 
@@ -348,9 +348,18 @@ fn only_rows_of_a_table_can_be_damaged() {
     assert_eq!((given.frames.len(), given.damages[0].place.number), (1, 4));
 }
 
+/// Checks the frames, and the lines that are told as damage.
+#[track_caller]
+pub fn tells(text: &str, frames: &[&str], lines: &[u64]) {
+    let given = given(text);
+    assert_eq!(given.frames, frames, "{text}\n{:?}\n{:?}", given.interpretation, given.damages);
+    let told: Vec<u64> = given.damages.iter().map(|damage| damage.place.number).collect();
+    assert_eq!(told, lines, "{text}\n{:?}", given.damages);
+}
+
 /// Checks that the text fits two readings, and what each of them gives.
 #[track_caller]
-fn asks(text: &str, readings: [(&str, &[&str]); 2]) {
+pub fn asks(text: &str, readings: [(&str, &[&str]); 2]) {
     let error = open_with(text, None).err().unwrap_or_else(|| panic!("{text}: {:?}", given(text).interpretation));
     let OpenError::Ambiguous { ref question, .. } = error else { panic!("{text}: {error}") };
     assert!(error.to_string().contains("--columns "), "{error}");

@@ -131,6 +131,33 @@ proptest! {
         }
     }
 
+    /// Hours or lines with the minutes of departures.
+    #[test]
+    fn timetables_give_no_frames(
+        rows in prop::collection::vec((100..1000_u32, prop::collection::btree_set(1..60_u32, 2..9)), 1..8),
+        word in "(Bus |Line )?",
+    ) {
+        let minutes = |minutes: &std::collections::BTreeSet<u32>| {
+            minutes.iter().map(|minute| format!(" {minute:02}")).collect::<String>()
+        };
+        let text: String = rows.iter().map(|(line, at)| format!("{word}{line}{}\n", minutes(at))).collect();
+        prop_assert_eq!(frames(text.as_bytes()), 0, "{}", text);
+    }
+
+    /// Lines of a dump with addresses of three digits or more.
+    #[test]
+    fn dumps_give_no_frames(
+        bytes in prop::collection::vec(any::<u8>(), 16..200),
+        (width, from, colon) in (1..=8_usize, 0x10..0x40_usize, any::<bool>()),
+    ) {
+        let line = |(at, bytes): (usize, &[u8])| {
+            let address = from * 16 + at * width;
+            format!("{address:03x}{} {}\n", if colon { ":" } else { "" }, hex::spaced(bytes))
+        };
+        let text: String = bytes.chunks(width).enumerate().map(line).collect();
+        prop_assert_eq!(frames(text.as_bytes()), 0, "{}", text);
+    }
+
     #[test]
     fn nothing_panics(text in "(?s)[0-9a-fA-FxXhtTrR#;:,.()\\[\\]{}'\"RxTDd \t\r\n<>|=-]{0,400}") {
         frames(text.as_bytes());

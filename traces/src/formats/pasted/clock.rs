@@ -16,12 +16,12 @@ pub(super) struct Plain {
     pub(super) decimals: usize,
 }
 
-/// Parses `123` or `123.456`.
+/// Parses `123`, `123.456` or `123,456`.
 pub(super) fn plain(text: &[u8]) -> Option<Plain> {
     let (rest, whole) = decimal("a time")(text).ok()?;
     let (decimals, fraction) = match rest {
         [] => (0, 0),
-        [b'.', digits @ ..] => match billionths(digits).ok()? {
+        [b'.' | b',', digits @ ..] => match billionths(digits).ok()? {
             ([], fraction) => (digits.len(), fraction),
             _ => return None,
         },
@@ -30,11 +30,11 @@ pub(super) fn plain(text: &[u8]) -> Option<Plain> {
     Some(Plain { billionths: u128::from(whole) * u128::from(SECOND) + u128::from(fraction), decimals })
 }
 
-/// The units that fit the times of lines: a bus at 1 Mbit/s has at most one frame in 40 µs, and a dialogue has more than
-/// one frame a minute.
+/// The units that fit the times of lines: a bus at 1 Mbit/s has at most one frame in 40 µs. A dialogue has more than
+/// one frame a minute; chosen lines, such as those of one message, may have a day between them.
 pub(super) fn units(times: &[Plain]) -> Vec<Unit> {
     const SHORTEST: u128 = 40_000;
-    const LONGEST: u128 = 60 * SECOND as u128;
+    const MINUTE: u128 = 60 * SECOND as u128;
     const YEAR_1973: u128 = EPOCH_FROM as u128;
     let (Some(first), Some(last)) = (times.first(), times.last()) else { return vec![Unit::Seconds] };
     let decimals = times.iter().map(|time| time.decimals).max().unwrap_or(0);
@@ -54,12 +54,14 @@ pub(super) fn units(times: &[Plain]) -> Vec<Unit> {
         return likely.iter().rev().take(1).copied().collect();
     };
     let span = last.billionths.saturating_sub(first.billionths);
-    let fits = |unit: &&Unit| (SHORTEST..=LONGEST).contains(&(nanos(**unit, span) / gaps));
+    let longest = if decimals >= 2 { u128::from(DAY) } else { MINUTE };
+    let fits = |unit: &&Unit| (SHORTEST..=longest).contains(&(nanos(**unit, span) / gaps));
     let fitting: Vec<_> = likely.iter().filter(fits).copied().collect();
     if fitting.is_empty() { vec![Unit::Seconds] } else { fitting }
 }
 
-/// Parses `hh:mm:ss`, with a fraction after a point or a colon; gives nanoseconds.
+/// Parses `hh:mm:ss`, with a fraction after a point, a comma or a colon, perhaps in two parts (`10:00:00.100.1`); gives
+/// nanoseconds.
 pub(super) fn time_of_day(text: &[u8]) -> Option<u64> {
     let mut parts = text.splitn(3, |byte| *byte == b':');
     let number = |part: Option<&[u8]>| match decimal("a number")(part?) {
@@ -70,17 +72,59 @@ pub(super) fn time_of_day(text: &[u8]) -> Option<u64> {
     let (rest, second) = decimal("seconds")(parts.next()?).ok()?;
     let fraction = match rest {
         [] => 0,
-        [b'.' | b':' | b',', digits @ ..] => match billionths(digits).ok()? {
-            ([], fraction) => u64::from(fraction),
-            _ => return None,
-        },
+        [b'.' | b':' | b',', digits @ ..] => fraction(digits)?,
         _ => return None,
     };
     (hour < 24 * 366 && minute < 60 && second < 60).then_some((hour * 3600 + minute * 60 + second) * SECOND + fraction)
 }
 
-/// Parses a date, perhaps with a time of the day after `T`; gives nanoseconds since 1970.
-pub(super) fn date(text: &[u8]) -> Option<u64> {
+/// Parses the digits after the decimal sign: `100`, or milliseconds and what follows them: `100.1`.
+fn fraction(digits: &[u8]) -> Option<u64> {
+    match billionths(digits).ok()? {
+        ([], fraction) => Some(u64::from(fraction)),
+        ([b'.', rest @ ..], millis) if digits.len() - rest.len() == 4 => match billionths(rest).ok()? {
+            ([], fraction) => Some(u64::from(millis) + u64::from(fraction) / 1000),
+            _ => None,
+        },
+        _ => None,
+    }
+}
+
+/// Parses the time of CL1000 loggers, day of the month, hour, minute, second and milliseconds: `30T104423567`.
+pub(super) fn day_and_time(text: &[u8]) -> Option<u64> {
+    let [d1, d2, b'T', clock @ ..] = text else { return None };
+    let pair = |pair: &[u8]| match pair {
+        [a @ b'0'..=b'9', b @ b'0'..=b'9'] => Some(u64::from(a - b'0') * 10 + u64::from(b - b'0')),
+        _ => None,
+    };
+    let day = pair(&[*d1, *d2])?;
+    let (hour, minute, second) = (pair(clock.get(..2)?)?, pair(clock.get(2..4)?)?, pair(clock.get(4..6)?)?);
+    let fraction = fraction(clock.get(6..)?)?;
+    let is_time = (1..=31).contains(&day) && hour < 24 && minute < 60 && second < 60;
+    is_time.then_some(((day * 24 + hour) * 3600 + minute * 60 + second) * SECOND + fraction)
+}
+
+/// The order of day and month in a date with slashes, if its numbers show it: whether the month comes first.
+pub(super) fn order(text: &[u8]) -> Option<bool> {
+    let mut parts = text.split(|byte| *byte == b'/').map(|part| decimal("a number")(part).ok().map(|(_, value)| value));
+    match (parts.next()??, parts.next()??) {
+        (first, _) if first > 12 => Some(false),
+        (_, second) if second > 12 => Some(true),
+        _ => None,
+    }
+}
+
+/// A moment in the calendar.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) struct Date {
+    /// Nanoseconds since 1970.
+    pub(super) nanos: u64,
+    /// Whether `Z` says that it is in UTC.
+    pub(super) is_utc: bool,
+}
+
+/// Parses a date, perhaps with a time of the day after `T`.
+pub(super) fn date(text: &[u8], month_first: bool) -> Option<Date> {
     let end = text.iter().position(|byte| *byte == b'T').unwrap_or(text.len());
     let (day, time) = text.split_at_checked(end)?;
     let mut parts = day.splitn(3, |byte| b"-./".contains(byte)).map(|part| match decimal("a number")(part) {
@@ -90,17 +134,18 @@ pub(super) fn date(text: &[u8]) -> Option<u64> {
     let (a, b, c) = (parts.next()??, parts.next()??, parts.next()??);
     let (year, month, day) = match () {
         () if a > 31 => (a, b, c),
-        () if text.contains(&b'/') && a <= 12 => (c, a, b),
+        () if text.contains(&b'/') && month_first => (c, a, b),
         () => (c, b, a),
     };
     let date = civil::Date::new(year, i8::try_from(month).ok()?, i8::try_from(day).ok()?).ok()?;
     let midnight = crate::local_time::nanos(date.at(0, 0, 0, 0))?;
+    let is_utc = time.ends_with(b"Z");
     let time = match time.trim_ascii_end() {
         [] => 0,
         [b'T', clock @ ..] => time_of_day(clock.strip_suffix(b"Z").unwrap_or(clock))?,
         _ => return None,
     };
-    midnight.checked_add(time)
+    Some(Date { nanos: midnight.checked_add(time)?, is_utc })
 }
 
 /// The times so far.
@@ -119,9 +164,12 @@ impl Clock {
     }
 
     /// The time of a line with a date, a time of the day, or both.
-    pub(super) fn calendar(&mut self, date: Option<u64>, of_day: Option<u64>) -> Option<Timestamp> {
+    pub(super) fn calendar(&mut self, date: Option<Date>, of_day: Option<u64>) -> Option<Timestamp> {
         let (base, nanos) = match (date, of_day) {
-            (Some(date), of_day) => (TimeBase::Local, date.checked_add(of_day.unwrap_or(0))?),
+            (Some(Date { nanos, is_utc }), of_day) => {
+                let base = if is_utc { TimeBase::Utc } else { TimeBase::Local };
+                (base, nanos.checked_add(of_day.unwrap_or(0))?)
+            }
             (None, Some(of_day)) => {
                 if of_day + DAY / 2 < self.last_of_day {
                     self.days = self.days.saturating_add(DAY);
@@ -171,10 +219,21 @@ mod tests {
     fn dates() {
         let day = 1_682_899_200 * SECOND;
         for text in ["2023-05-01", "01.05.2023", "5/1/2023", "2023-05-01T00:00:00Z", "2023/05/01"] {
-            assert_eq!(date(text.as_bytes()), Some(day), "{text}");
+            assert_eq!(date(text.as_bytes(), true).map(|date| date.nanos), Some(day), "{text}");
         }
-        assert_eq!(date(b"2023-05-01T00:00:01.5"), Some(day + SECOND * 3 / 2));
-        assert_eq!(date(b"2023-13-01"), None);
+        let nanos = |text: &[u8]| date(text, true).map(|date| date.nanos);
+        assert_eq!(nanos(b"2023-05-01T00:00:01.5"), Some(day + SECOND * 3 / 2));
+        assert_eq!(nanos(b"2023-13-01"), None);
+        assert_eq!(date(b"1/5/2023", false).map(|date| date.nanos), Some(day));
+    }
+
+    #[test]
+    fn fractions_in_two_parts() {
+        assert_eq!(time_of_day(b"00:00:01.100.1"), Some(1_100_100_000));
+        assert_eq!(time_of_day(b"00:00:01,100"), Some(1_100_000_000));
+        assert_eq!(time_of_day(b"00:00:01.10.1"), None);
+        assert_eq!(day_and_time(b"01T000001500"), Some(DAY + SECOND * 3 / 2));
+        assert_eq!(day_and_time(b"01T250001500"), None);
     }
 
     #[test]

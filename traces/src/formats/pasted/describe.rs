@@ -8,12 +8,15 @@ impl Meaning {
     pub(super) fn describe(&self) -> String {
         let layout = match self {
             Self::Columns(layout) => layout,
-            Self::Table(table) => return format!("a table with named columns, times in {}", table.unit.symbol()),
+            Self::Table(table) => return table.describe(),
         };
         let mut parts = Vec::new();
         if layout.has(Role::Time) || layout.behind == Behind::Time {
             let kind = if layout.differences { "time since the line before" } else { "time" };
             parts.push(format!("{kind} in {}", layout.unit.symbol()));
+        }
+        if layout.has(Role::Channel) {
+            parts.push("channel".to_owned());
         }
         match layout.core {
             Core::Notation => parts.push("frames in candump's notation".to_owned()),

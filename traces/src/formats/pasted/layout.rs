@@ -1,5 +1,6 @@
 //! The meaning of the columns of pasted lines.
 
+use super::token::Commas;
 use crate::columns::Unit;
 
 /// The meaning of a column of numbers before the data.
@@ -8,6 +9,8 @@ pub(super) enum Role {
     /// A number without a meaning for the frame, such as that of a line.
     Skip,
     Time,
+    /// The microseconds of the time in seconds before them.
+    Micros,
     Channel,
     Id,
     Length,
@@ -43,6 +46,10 @@ pub(super) enum Behind {
     Time,
     /// The cycle time and count of a list that has each identifier once.
     CycleAndCount,
+    /// A date or a time of the day, perhaps after a number of ten digits.
+    Clock,
+    /// The number of the line, which is its last column.
+    Counter,
 }
 
 /// The meaning of the columns.
@@ -60,6 +67,25 @@ pub(super) struct Layout {
     /// Whether times are differences from the line before.
     pub(super) differences: bool,
     pub(super) words: Words,
+    pub(super) commas: Commas,
+    /// Whether dates with slashes begin with the month.
+    pub(super) month_first: bool,
+    /// Whether an arrow after the time of the day is the mark of a terminal, and no direction.
+    pub(super) arrow_is_mark: bool,
+    /// The numbers of digits that identifiers have, as bits; 0: any.
+    pub(super) id_digits: u16,
+    /// Whether labels without meaning may be before the identifier.
+    pub(super) has_labels: bool,
+    /// The details that a person gave, so that the next question keeps them.
+    pub(super) given: Given,
+}
+
+/// The details of columns that a person gave: `hex`, `11`, `mdy`; empty: none.
+#[derive(Clone, Default, PartialEq, Eq, Debug)]
+pub(super) struct Given {
+    pub(super) id: String,
+    pub(super) data: String,
+    pub(super) date: String,
 }
 
 impl Layout {
@@ -74,7 +100,18 @@ impl Layout {
             unit: Unit::Seconds,
             differences: false,
             words: Words::All,
+            commas: Commas::Separate,
+            month_first: true,
+            arrow_is_mark: false,
+            id_digits: 0,
+            has_labels: true,
+            given: Given::default(),
         }
+    }
+
+    /// Whether no identifier in the lines that decide has this number of digits.
+    pub(super) fn is_strange(&self, digits: u8) -> bool {
+        self.id_digits != 0 && self.id_digits & 1 << digits.min(15) == 0
     }
 
     pub(super) fn has(&self, role: Role) -> bool {

@@ -6,7 +6,7 @@
 //! identifier = `605`, `0x605`, `605h`; `18FF1234x` or eight digits for 29 bits
 //! length   = `8`, `[8]`, `DLC: 8`
 //! data     = bytes apart, together, with `0x`, with commas; in hexadecimal with or without leading zeros, or in decimal
-//! behind   = time, direction, channel
+//! behind   = time, date, direction, channel, number of the line
 //! ```
 //!
 //! A line may also hold a frame in candump's notation (`605#4000…`) or SLCAN's (`t6058…`), and a table may name its
@@ -17,6 +17,7 @@
 //! - Times are plain numbers in a unit that a bus allows, times of the day, or dates. Times of the day without a date
 //!   count from midnight of the first day.
 //! - What follows a frame is its remark, and becomes the record's comment.
+//! - A line with two frames is malformed; both are kept.
 //! - A line that looks like a frame and is none is malformed. Any other line is prose, and is passed over.
 //! - A last line without line end is read if its length shows that it is whole, or if it has eight bytes.
 
@@ -37,14 +38,15 @@ mod word;
 pub use question::Question;
 pub use unread::Unread;
 
-use crate::columns::{Columns, Unit};
+use crate::columns::Columns;
 use crate::formats::candump_log::intern;
 use crate::lines::{Line, LineFormat, TextReader};
 use crate::{Channels, Damage, DamageKind, Place, ReadOptions, Reader, Record, Source, TimeBase, Timestamp};
-use clock::{Clock, date, plain, time_of_day};
+use clock::{Clock, date, day_and_time, plain, time_of_day};
 use layout::Layout;
 use row::{Miss, Row};
 use table::Table;
+use table::TableRow;
 use token::{Token, tokenise};
 
 pub(crate) use remark::remark;
@@ -61,7 +63,7 @@ enum Meaning {
 }
 
 fn infer(head: &[u8], columns: Option<&Columns>) -> Result<Option<Meaning>, Question> {
-    if let Some(table) = table::infer(head, columns.and_then(Columns::unit))? {
+    if let Some(table) = table::infer(head, columns)? {
         return Ok(Some(Meaning::Table(table)));
     }
     Ok(infer::infer(head, columns)?.map(Meaning::Columns))
@@ -98,6 +100,8 @@ struct Pasted {
     /// Whether the head of the table has been read: lines before it are comments.
     headed: bool,
     tokens: Vec<Token>,
+    /// The damage of a line from which a frame was read.
+    surplus: Option<Damage>,
 }
 
 impl Pasted {
@@ -136,6 +140,9 @@ impl LineFormat for Pasted {
     }
 
     fn owed(&mut self) -> Option<Damage> {
+        if let Some(surplus) = self.surplus.take() {
+            return Some(surplus);
+        }
         let question = self.question.take()?;
         let expected = format!("columns: {question}");
         Some(Damage::new(DamageKind::Unsupported, Place { number: 1, offset: 0 }, expected, b""))
@@ -161,10 +168,18 @@ impl Pasted {
         layout: &Layout,
         channels: &mut Channels,
     ) -> Option<Result<Record, Damage>> {
-        tokenise(line.bytes, &mut self.tokens);
+        tokenise(line.bytes, layout.commas, &mut self.tokens);
         match row::read(line.bytes, &self.tokens, layout) {
             Ok(row) if !line.ended && row.may_go_on => Some(Err(line.cut(REST))),
-            Ok(row) => Some(self.record(line, row, layout, channels)),
+            Ok(mut row) => {
+                let second = row::second(line.bytes, &self.tokens, layout, row.next);
+                if second.as_ref().is_some_and(|second| second.is_next) {
+                    row.remark = line.bytes.len();
+                }
+                let record = self.record(line, row, layout, channels);
+                self.surplus = second.map(|second| surplus(line, second, record.as_ref().ok()));
+                Some(record)
+            }
             Err((at, _)) if !line.ended && doubt::is_begun(line.bytes, &self.tokens, layout, at) => {
                 Some(Err(line.cut(REST)))
             }
@@ -189,11 +204,15 @@ impl Pasted {
         };
         let time = match (row.date, row.clock, row.time) {
             (None, None, Some(index)) => {
-                let time = plain(text(index)).ok_or_else(|| no_time(row.time))?;
+                let mut time = plain(text(index)).ok_or_else(|| no_time(row.time))?;
+                if let Some(micros) = row.micros.and_then(|index| plain(text(index))) {
+                    time.billionths = time.billionths.saturating_add(micros.billionths / 1_000_000);
+                }
                 self.clock.plain(time, layout.unit, layout.differences)
             }
             (day, clock, _) => {
-                let day = day.map(|index| date(text(index)).ok_or_else(|| no_time(day))).transpose()?;
+                let order = layout.month_first;
+                let day = day.map(|index| date(text(index), order).ok_or_else(|| no_time(day))).transpose()?;
                 let of_day = clock.map(|index| time_of_day(text(index)).ok_or_else(|| no_time(clock))).transpose()?;
                 self.clock.calendar(day, of_day)
             }
@@ -204,8 +223,8 @@ impl Pasted {
         let direction = row.record.direction;
         let record = row.record.seen(time, channel, direction, line.place);
         Ok(match remark(line.bytes.get(row.remark..).unwrap_or_default()) {
-            Some(remark) => record.with_comment(remark),
-            None => record,
+            Some(text) if !remark::shows_data(text, record.data()) => record.with_comment(text),
+            _ => record,
         })
     }
 
@@ -230,7 +249,7 @@ impl Pasted {
                     Ok(channel) => channel,
                     Err(missing) => return Some(Err(line.damage(missing))),
                 };
-                let Some(time) = self.table_time(row.time, table.unit) else {
+                let Some(time) = self.table_time(&row, table) else {
                     return Some(Err(line.malformed(NO_TIME)));
                 };
                 let direction = row.record.direction;
@@ -242,21 +261,37 @@ impl Pasted {
         }
     }
 
-    fn table_time(&mut self, text: &[u8], unit: Unit) -> Option<Timestamp> {
-        if text.is_empty() {
+    fn table_time(&mut self, row: &TableRow<'_>, table: &Table) -> Option<Timestamp> {
+        let text = row.time;
+        if text.is_empty() && row.date.is_empty() {
             return self.clock.calendar(None, None);
         }
-        if let Some(time) = plain(text) {
-            return self.clock.plain(time, unit, false);
+        if let Some(time) = plain(text).filter(|_| row.date.is_empty()) {
+            return self.clock.plain(time, table.unit, false);
         }
-        if let Some(of_day) = time_of_day(text) {
+        if let Some(of_day) = time_of_day(text).or_else(|| day_and_time(text)).filter(|_| row.date.is_empty()) {
             return self.clock.calendar(None, Some(of_day));
         }
-        let end = text.iter().position(|byte| *byte == b' ').unwrap_or(text.len());
-        let (day, clock) = text.split_at_checked(end)?;
-        let clock = clock.trim_ascii();
+        // The date may have a column of its own, and the time of the day may follow it.
+        let (day, rest) = match row.date {
+            [] => text.split_at_checked(text.iter().position(|byte| *byte == b' ').unwrap_or(text.len()))?,
+            date => date.split_at_checked(date.iter().position(|byte| *byte == b' ').unwrap_or(date.len()))?,
+        };
+        let clock = if row.date.is_empty() || text.is_empty() { rest.trim_ascii() } else { text };
         let of_day = if clock.is_empty() { None } else { Some(time_of_day(clock)?) };
-        self.clock.calendar(Some(date(day)?), of_day)
+        self.clock.calendar(Some(date(day, table.month_first)?), of_day)
+    }
+}
+
+/// The damage of a line with a second frame, which has the time and channel of the first one.
+fn surplus(line: &Line<'_>, second: row::Second, first: Option<&Record>) -> Damage {
+    let damage = damage(line, second.at, "one frame in each line");
+    match first {
+        Some(first) if second.is_next => {
+            let direction = second.record.direction;
+            damage.with_salvaged(second.record.seen(first.timestamp, first.channel, direction, line.place))
+        }
+        _ => damage,
     }
 }
 

@@ -1,6 +1,6 @@
 //! What is asked where lines fit two readings.
 
-use super::layout::{Layout, Role};
+use super::layout::{DataForm, Layout, Role};
 use std::fmt;
 
 /// Pasted lines that fit two readings, and the columns that choose one of them.
@@ -33,19 +33,31 @@ impl fmt::Display for Question {
     }
 }
 
-/// The columns of a layout as a person gives them.
+/// The columns of a layout as a person gives them. Details that are not in doubt are named only where they are unusual.
 pub(super) fn columns_of(layout: &Layout, unit: &str, id: &str, data: &str) -> String {
+    let id = match () {
+        () if !id.is_empty() => id,
+        () if layout.id_is_decimal => "dec",
+        () => &layout.given.id,
+    };
+    let data = match () {
+        () if !data.is_empty() => data,
+        () if layout.data == DataForm::Decimal => "dec",
+        () => &layout.given.data,
+    };
+    let time = if layout.differences { "delta" } else { "time" };
     let with = |name: &str, detail: &str| {
         if detail.is_empty() { name.to_owned() } else { format!("{name}[{detail}]") }
     };
     let column = |role: &Role| match role {
-        Role::Skip => "line".to_owned(),
-        Role::Time => with("time", unit),
+        Role::Skip | Role::Micros => "line".to_owned(),
+        Role::Time => with(time, unit),
         Role::Channel => "channel".to_owned(),
         Role::Id => with("id", id),
         Role::Length => "len".to_owned(),
     };
-    let mut columns: Vec<String> = layout.before.iter().map(column).collect();
+    let date = (!layout.given.date.is_empty()).then(|| with("date", &layout.given.date));
+    let mut columns: Vec<String> = date.into_iter().chain(layout.before.iter().map(column)).collect();
     columns.push(with("data", data));
     columns.join(",")
 }

@@ -19,8 +19,18 @@ pub(crate) fn remark(text: &[u8]) -> Option<&str> {
             || c.is_whitespace()
     };
     let text = std::str::from_utf8(text).ok()?.trim_start_matches(is_mark).trim_end();
-    let text = text.strip_suffix("*/").unwrap_or(text).trim_end();
+    let text = text.strip_suffix("*/").unwrap_or(text).trim_end_matches(|c: char| c == '|' || c.is_whitespace());
     text.chars().any(char::is_alphanumeric).then_some(text)
+}
+
+/// Whether a remark only repeats the data as characters, with points for those that can't be printed.
+pub(super) fn shows_data(text: &str, data: &[u8]) -> bool {
+    let mut characters = [b'.'; 64];
+    let characters = characters.get_mut(..data.len()).unwrap_or_default();
+    for (place, byte) in characters.iter_mut().zip(data).filter(|(_, byte)| matches!(byte, b' '..=b'~')) {
+        *place = *byte;
+    }
+    text.len() <= data.len() && remark(characters) == Some(text)
 }
 
 #[cfg(test)]
@@ -47,6 +57,9 @@ mod tests {
 
     #[test]
     fn characters_of_the_data_are_no_remark() {
+        assert!(shows_data("C.......", &[0x43, 0, 0x10, 0, 0x92, 1, 2, 0]));
+        assert!(shows_data(".A C.", &[0, 0x41, 0x20, 0x43, 0]));
+        assert!(!shows_data("C", &[0x43, 0]) && !shows_data("no", &[0x43, 0]));
         for text in ["", "   ", "  '@.......'", " \"....\"", ",", " |", " <---"] {
             assert_eq!(remark(text.as_bytes()), None, "{text}");
         }

@@ -97,13 +97,24 @@ impl Token {
 /// Maximum number of tokens in a line: a CAN FD frame of 64 bytes, and what is beside it.
 pub(super) const MOST: usize = 128;
 
+/// The meaning of a comma between two digits.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Commas {
+    Separate,
+    /// A single comma in a word is the decimal sign of a time.
+    Decimal,
+}
+
 /// Splits a line; `tokens` is emptied first.
-pub(super) fn tokenise(line: &[u8], tokens: &mut Vec<Token>) {
+pub(super) fn tokenise(line: &[u8], commas: Commas, tokens: &mut Vec<Token>) {
     tokens.clear();
     let mut at = 0;
     while tokens.len() < MOST {
         let (start, aside) = skip_separators(line, at);
-        let end = start + line.iter().skip(start).take_while(|&&byte| !is_separator(byte)).count();
+        let mut end = separator(line, start);
+        if commas == Commas::Decimal && line.get(end) == Some(&b',') {
+            end = after_decimals(line, start, end).unwrap_or(end);
+        }
         if start == end {
             return;
         }
@@ -115,16 +126,47 @@ pub(super) fn tokenise(line: &[u8], tokens: &mut Vec<Token>) {
 /// The offset after the separators, and whether they begin a remark.
 fn skip_separators(line: &[u8], from: usize) -> (usize, bool) {
     let (mut at, mut blank, mut aside) = (from, false, false);
-    while let Some(&byte) = line.get(at).filter(|byte| is_separator(**byte)) {
-        aside |= blank && byte == b';' && from > 0;
-        blank |= matches!(byte, b' ' | b'\t');
+    while let Some(&byte) = line.get(at) {
+        match byte {
+            b' ' | b'\t' => blank = true,
+            b';' => aside |= blank && from > 0,
+            b',' | b'|' => {}
+            0xC2 if is_hard_blank(line, at) => (at, blank) = (at + 1, true),
+            _ => break,
+        }
         at += 1;
     }
     (at, aside)
 }
 
-const fn is_separator(byte: u8) -> bool {
-    matches!(byte, b' ' | b'\t' | b',' | b';' | b'|')
+/// The offset of the first separator from `start` on, or the length of the line.
+fn separator(line: &[u8], start: usize) -> usize {
+    let mut at = start;
+    while let Some(&byte) = line.get(at) {
+        match byte {
+            b' ' | b'\t' | b',' | b';' | b'|' => break,
+            0xC2 if is_hard_blank(line, at) => break,
+            _ => at += 1,
+        }
+    }
+    at
+}
+
+/// Whether a blank at which lines must not be broken (U+00A0) begins here.
+#[cold]
+fn is_hard_blank(line: &[u8], at: usize) -> bool {
+    line.get(at + 1) == Some(&0xA0)
+}
+
+/// The end of a time whose decimal sign is the comma at `comma`.
+fn after_decimals(line: &[u8], start: usize, comma: usize) -> Option<usize> {
+    let before = line.get(start..comma)?.trim_ascii_start();
+    let whole = before.strip_prefix(b"(").or_else(|| before.strip_prefix(b"[")).unwrap_or(before);
+    let decimals = line.get(comma + 1..)?.iter().take_while(|byte| byte.is_ascii_digit()).count();
+    let behind = comma + 1 + decimals;
+    let is_time = !whole.is_empty() && whole.iter().all(|byte| byte.is_ascii_digit() || *byte == b':');
+    let ends = line.get(behind).is_none_or(|byte| !byte.is_ascii_alphanumeric() && *byte != b',');
+    (is_time && decimals > 0 && ends).then(|| separator(line, behind))
 }
 
 /// The end of the token: that of its label, if a number follows without a blank, as in `ID:605`.
@@ -191,15 +233,23 @@ fn numeric(text: &[u8]) -> Kind {
     let only = |others: &[u8]| text.iter().all(|byte| byte.is_ascii_digit() || others.contains(byte));
     match () {
         () if is_digits(text) => Kind::Digits,
-        () if only(b".") && count(b'.') == 1 && !text.ends_with(b".") => Kind::Fraction,
-        () if only(b":.") && (2..=3).contains(&count(b':')) => Kind::Clock,
-        () if only(b"-./:TZ ") && (count(b'-') == 2 || count(b'/') == 2 || count(b'.') >= 2) => Kind::Date,
+        () if only(b".,") && count(b'.') + count(b',') == 1 && !text.ends_with(b".") => Kind::Fraction,
+        () if only(b":.,") && (2..=3).contains(&count(b':')) => Kind::Clock,
+        () if only(b"-./:TZ") && is_date(text) => Kind::Date,
+        () if only(b".") => Kind::Word(Word::Unknown),
         () if is_notation(text) => Kind::Notation,
         () => match word(text) {
             Some(bits @ Word::Bits(..)) => Kind::Word(bits),
             _ => Kind::Other,
         },
     }
+}
+
+/// Whether the text before a `T` has the three numbers of a date; addresses and versions have more or shorter ones.
+fn is_date(text: &[u8]) -> bool {
+    let day = text.split(|byte| *byte == b'T').next().unwrap_or_default();
+    let count = |wanted: u8| day.iter().filter(|byte| **byte == wanted).count();
+    day.len() >= 8 && [b'-', b'/', b'.'].into_iter().any(|mark| count(mark) == 2)
 }
 
 /// Parses `605`, `0x605`, `605h`, `18FF1234x`.
@@ -258,7 +308,7 @@ mod tests {
 
     fn kinds(line: &str) -> Vec<Kind> {
         let mut tokens = Vec::new();
-        tokenise(line.as_bytes(), &mut tokens);
+        tokenise(line.as_bytes(), Commas::Separate, &mut tokens);
         tokens.iter().map(|token| token.kind).collect()
     }
 

@@ -14,10 +14,18 @@ pub(super) enum Word {
     /// A direction with the number of bits of the identifier: `R11`, `1T29`.
     Bits(Direction, bool),
     Fd,
-    /// An error frame, which has no identifier.
+    /// CAN FD with a faster bit rate for the data.
+    Brs,
+    /// The sender of a CAN FD frame is error passive.
+    Esi,
+    /// An error frame, which may have no identifier.
+    ErrorFrame,
+    /// An error, or a frame of another bus.
     Error,
     /// The name of an interface or channel: letters and then digits.
     Channel,
+    /// Another name with a number, such as that of a message or a node.
+    Name,
     /// A word that tools write in every line, and that says nothing of the frame.
     Usual,
     /// A word that counts only if other lines have it too.
@@ -33,6 +41,9 @@ pub(super) enum Label {
     Data,
     Time,
     Channel,
+    /// Whether the identifier has 29 bits.
+    Extended,
+    Remote,
     Other,
 }
 
@@ -61,20 +72,24 @@ pub(super) fn word(text: &[u8]) -> Option<Word> {
         b"rx" | b"receive" | b"received" | b"recv" | b"rcv" | b"in" | b"<-" | b"<<" | b"\xE2\x86\x90" => {
             Word::Direction(Direction::Rx)
         }
-        b"tx" | b"send" | b"sent" | b"transmit" | b"transmitted" | b"txrq" | b"out" | b"->" | b">>"
+        b"t" | b"tx" | b"send" | b"sent" | b"transmit" | b"transmitted" | b"txrq" | b"out" | b"->" | b">>"
         | b"\xE2\x86\x92" => Word::Direction(Direction::Tx),
-        b"rtr" | b"remote" | b"r" | b"rr" | b"sr" | b"xr" => Word::Remote,
-        b"x" | b"ext" | b"extended" | b"eff" | b"29bit" | b"29-bit" => Word::Extended,
-        b"s" | b"std" | b"standard" | b"sff" | b"11bit" | b"11-bit" | b"base" => Word::Standard,
+        b"r" => Word::ReceivedOrRemote,
+        b"rtr" | b"remote" | b"rr" | b"sr" | b"xr" => Word::Remote,
+        b"x" | b"ext" | b"extended" | b"eff" | b"29bit" | b"29-bit" | b"extid" | b"ide" => Word::Extended,
+        b"s" | b"std" | b"standard" | b"sff" | b"11bit" | b"11-bit" | b"base" | b"stdid" => Word::Standard,
         b"fd" | b"canfd" | b"fdf" => Word::Fd,
-        b"error" | b"errorframe" | b"err" => Word::Error,
+        b"bs" | b"brs" => Word::Brs,
+        b"ei" | b"esi" => Word::Esi,
+        b"errorframe" => Word::ErrorFrame,
+        b"error" | b"err" | b"lin" => Word::Error,
         b"can" | b"frame" | b"data" | b"dt" | b"msg" | b"message" | b"line" | b"id" | b"identifier" | b"dlc"
         | b"len" | b"length" | b"bytes" | b"byte" | b"bus" | b"channel" | b"-" | b"--" | b"false" | b"n" | b"m"
         | b"l" | b"i" | b"cansend" | b"time" | b"timestamp" | b"at" | b"ms" | b"us" | b"hex" | b"dir" | b"from"
         | b"to" | b"on" | b"request" | b"packet" => Word::Usual,
         b"true" => Word::Unknown,
         _ if let Some(word) = bits(lower) => word,
-        _ if is_channel(text) => Word::Channel,
+        _ if is_name(text) => name(lower),
         _ if is_plain(text) => Word::Unknown,
         _ => return None,
     })
@@ -92,8 +107,20 @@ fn bits(lower: &[u8]) -> Option<Word> {
     }
 }
 
-/// Letters and then digits: `can0`, `PCAN_USBBUS1`, `ch1`.
-fn is_channel(text: &[u8]) -> bool {
+/// The meaning of letters and then digits.
+fn name(lower: &[u8]) -> Word {
+    const BEGIN: [&[u8]; 10] = [b"ch", b"bus", b"port", b"net", b"if", b"hs", b"ms", b"ls", b"usb", b"kvaser"];
+    let has = |part: &[u8]| lower.windows(part.len()).any(|window| window == part);
+    let letters = lower.iter().take_while(|byte| byte.is_ascii_alphabetic()).count();
+    match () {
+        () if lower.get(..letters) == Some(b"lin") => Word::Error,
+        () if has(b"can") || has(b"bus") || BEGIN.iter().any(|stem| lower.starts_with(stem)) => Word::Channel,
+        () => Word::Name,
+    }
+}
+
+/// Letters and then digits: `can0`, `PCAN_USBBUS1`, `TPDO1`.
+fn is_name(text: &[u8]) -> bool {
     let letters = text.iter().take_while(|byte| byte.is_ascii_alphabetic() || **byte == b'_').count();
     let digits = text.len() - letters;
     letters >= 2 && (1..=3).contains(&digits) && text.iter().skip(letters).all(u8::is_ascii_digit)
@@ -117,6 +144,8 @@ pub(super) fn label(text: &[u8]) -> Option<Label> {
         b"data" | b"payload" | b"bytes" | b"msg" | b"message" | b"d" => Label::Data,
         b"timestamp" | b"time" | b"ts" | b"t" => Label::Time,
         b"channel" | b"ch" | b"chn" | b"bus" => Label::Channel,
+        b"ide" | b"ext" | b"extended" | b"is_extended" | b"is_extended_id" | b"xtd" => Label::Extended,
+        b"rtr" | b"remote" | b"is_remote" | b"is_remote_frame" => Label::Remote,
         _ if is_plain(text) => Label::Other,
         _ => return None,
     })
@@ -131,7 +160,7 @@ mod tests {
         for name in ["can0", "slcan12", "PCAN_USBBUS1", "ch1", "vcan0"] {
             assert_eq!(word(name.as_bytes()), Some(Word::Channel), "{name}");
         }
-        for name in ["can", "x1", "node-5", "1x"] {
+        for name in ["can", "x1", "node-5", "1x", "TPDO1", "drive_1", "LIN1"] {
             assert_ne!(word(name.as_bytes()), Some(Word::Channel), "{name}");
         }
     }

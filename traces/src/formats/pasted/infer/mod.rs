@@ -11,37 +11,94 @@ mod roles;
 mod sample;
 
 use super::columns::layouts;
-use super::layout::{Core, DataForm, Layout, Role, Words, hash};
+use super::layout::{Behind, Core, DataForm, Layout, Role, Words, hash};
 use super::question::Question;
-use super::token::{Kind, Token};
+use super::row::Row;
+use super::token::{Commas, Kind, Token, tokenise};
 use super::word::Word;
 use crate::columns::Columns;
-use doubts::{identifiers, length, radix};
+use crate::lines::head_lines;
+use doubts::{bytes, dates, identifiers, length, long_identifiers, radix};
 use proof::is_proven;
-use roles::{behind, roles, time};
+use roles::{behind, is_arrow_a_mark, roles, time};
 use sample::Sample;
 use std::collections::BTreeMap;
 
 /// The layout of lines that begin like `head`; `None` if they hold no frames.
 pub(super) fn infer(head: &[u8], columns: Option<&Columns>) -> Result<Option<Layout>, Question> {
-    let sample = Sample::new(head);
+    if has_decimal_commas(head)
+        && let Some(layout) = infer_with(head, columns, Commas::Decimal)?
+    {
+        return Ok(Some(layout));
+    }
+    infer_with(head, columns, Commas::Separate)
+}
+
+/// Whether a word has the form of a time with a decimal comma.
+fn has_decimal_commas(head: &[u8]) -> bool {
+    let mut tokens = Vec::new();
+    let lines = head_lines(head).map(|(line, _)| line).filter(|line| memchr::memchr(b',', line).is_some());
+    lines.take(100).any(|line| {
+        tokenise(line, Commas::Decimal, &mut tokens);
+        tokens.iter().take(3).any(|token| token.kind != Kind::Other && memchr::memchr(b',', token.text(line)).is_some())
+    })
+}
+
+fn infer_with(head: &[u8], columns: Option<&Columns>, commas: Commas) -> Result<Option<Layout>, Question> {
+    let sample = Sample::new(head, commas);
     let candidates = columns.map_or_else(candidates, layouts);
     let Some(mut layout) = choose(&sample, candidates, columns.is_some()) else { return Ok(None) };
+    layout.commas = commas;
     layout.wide_is_standard |= sample.hints.flags;
     let rows = sample.rows(&layout);
     if columns.is_none() {
-        roles(&sample, &rows, &mut layout);
+        roles(&sample, &rows, &mut layout)?;
     }
     behind(&sample, &rows, &mut layout);
-    time(&sample, &mut layout, columns.and_then(Columns::unit))?;
+    layout.arrow_is_mark = is_arrow_a_mark(&sample, &rows);
+    layout.id_digits = id_digits(&sample, &rows, &layout);
+    let with_label = rows.iter().filter(|(_, row)| row.other_label).count();
+    layout.has_labels = columns.is_some() || 2 * with_label >= rows.len();
+    time(&sample, &mut layout, columns)?;
+    ask(&sample, &mut layout, columns)?;
+    Ok(Some(layout))
+}
+
+/// Asks for what is still in doubt.
+fn ask(sample: &Sample<'_>, layout: &mut Layout, columns: Option<&Columns>) -> Result<(), Question> {
     if !columns.is_some_and(Columns::decides_wide_ids) {
-        identifiers(&sample, &layout)?;
+        identifiers(sample, layout)?;
+    }
+    if !columns.is_some_and(Columns::decides_dates) {
+        dates(sample, layout)?;
     }
     if columns.is_none() {
-        length(&sample, &layout)?;
-        radix(&sample, &layout)?;
+        length(sample, layout)?;
     }
-    Ok(Some(layout))
+    if !columns.is_some_and(Columns::decides_data) {
+        bytes(sample, layout)?;
+    }
+    if !columns.is_some_and(Columns::decides_ids) {
+        long_identifiers(sample, layout)?;
+    }
+    if columns.is_none() { radix(sample, layout) } else { Ok(()) }
+}
+
+/// The numbers of digits of the identifiers, as bits. Without a length only usual ones count, for other lines may be
+/// prose; leading zeros are before all identifiers or before none.
+fn id_digits(sample: &Sample<'_>, rows: &[(usize, Row)], layout: &Layout) -> u16 {
+    // A strange number with a text behind it may be prose.
+    let is_whole = |(line, row): &&(usize, Row)| {
+        row.next == sample.tokens(*line).len() || row.id.is_some_and(|id| matches!(id.digits, 3 | 4 | 8))
+    };
+    let ids = || rows.iter().filter(is_whole).filter_map(|(_, row)| row.id);
+    let of_four = ids().filter(|id| id.digits == 4).count();
+    let is_usual = |digits: u8| match digits {
+        3 | 8 => true,
+        4 => 2 * of_four >= rows.len(),
+        _ => layout.has(Role::Length),
+    };
+    ids().filter(|id| is_usual(id.digits)).fold(0, |bits, id| bits | 1 << id.digits.min(15))
 }
 
 /// All layouts, the most specific ones first.
@@ -62,6 +119,14 @@ fn candidates() -> Vec<Layout> {
             }
         }
     }
+    // socketcand writes the time between identifier and data.
+    all.extend((0..=1).map(|count| {
+        Layout::new([&before(count)[..], &[Role::Id, Role::Time]].concat(), Core::Apart, DataForm::Compact)
+    }));
+    let has_length = |layout: &&Layout| layout.has(Role::Length) && !layout.id_is_decimal;
+    let counted: Vec<_> =
+        all.iter().filter(has_length).map(|layout| Layout { behind: Behind::Counter, ..layout.clone() }).collect();
+    all.extend(counted);
     all
 }
 

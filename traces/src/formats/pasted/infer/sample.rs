@@ -2,7 +2,7 @@
 
 use super::super::layout::{Core, Layout};
 use super::super::row::{Row, read};
-use super::super::token::{Kind, Token, tokenise};
+use super::super::token::{Commas, Kind, Token, tokenise};
 use crate::columns::Unit;
 use crate::lines::head_lines;
 
@@ -26,11 +26,11 @@ pub(super) struct Hints {
 }
 
 impl<'a> Sample<'a> {
-    pub(super) fn new(head: &'a [u8]) -> Self {
+    pub(super) fn new(head: &'a [u8], commas: Commas) -> Self {
         let mut sample = Self { lines: Vec::new(), hints: Hints::default() };
         for (line, _) in head_lines(head).filter(|(line, _)| !line.trim_ascii().is_empty()) {
             let mut tokens = Vec::new();
-            tokenise(line, &mut tokens);
+            tokenise(line, commas, &mut tokens);
             let has_value = |token: &Token| token.is_value() || matches!(token.kind, Kind::Notation | Kind::Slcan);
             if tokens.iter().any(has_value) {
                 sample.lines.push((line, tokens));
@@ -49,11 +49,16 @@ impl<'a> Sample<'a> {
     pub(super) fn rows(&self, layout: &Layout) -> Vec<(usize, Row)> {
         let row = |(index, (line, tokens)): (usize, &(&[u8], Vec<Token>))| {
             let row = read(line, tokens, layout).ok()?;
-            let has_content =
-                row.record.frame.is_remote() || !row.record.frame.is_empty() || layout.core != Core::Apart;
-            has_content.then_some((index, row))
+            let frame = &row.record.frame;
+            let has_content = frame.is_remote() || !frame.is_empty() || layout.core != Core::Apart;
+            (has_content && !frame.is_error()).then_some((index, row))
         };
         self.lines.iter().enumerate().filter_map(row).collect()
+    }
+
+    /// Whether a layout reads all lines with numbers, also as frames without data.
+    pub(super) fn fits(&self, layout: &Layout) -> bool {
+        self.lines.iter().all(|(line, tokens)| read(line, tokens, layout).is_ok())
     }
 
     /// Number of lines with two or more bytes in a row, or with a whole frame.
@@ -63,6 +68,14 @@ impl<'a> Sample<'a> {
         let alike =
             |tokens: &[Token]| tokens.iter().any(is_whole) || tokens.windows(2).any(|pair| pair.iter().all(is_byte));
         self.lines.iter().filter(|(_, tokens)| alike(tokens)).count()
+    }
+
+    pub(super) fn ends_in_comma(&self, line: usize) -> bool {
+        self.lines.get(line).is_some_and(|(line, _)| line.trim_ascii_end().ends_with(b","))
+    }
+
+    pub(super) fn line(&self, line: usize) -> &'a [u8] {
+        self.lines.get(line).map_or(&[], |(line, _)| line)
     }
 
     pub(super) fn tokens(&self, line: usize) -> &[Token] {
@@ -80,16 +93,24 @@ impl Hints {
         let lower = line.to_ascii_lowercase();
         let has = |text: &str| lower.windows(text.len()).any(|window| window == text.as_bytes());
         self.flags |= has("identifier flg") || has(" flg ");
-        self.cycle |= has("cycle time");
-        for unit in Unit::ALL {
-            let symbol = unit.symbol();
-            let is_named = has(&format!("[{symbol}]")) || has(&format!("({symbol})"));
-            if is_named && (has("time") || has("offset")) {
-                self.unit = self.unit.or(Some(unit));
-            }
+        // The heads of tables name other columns too; TRC's head has a line for each column.
+        let is_comment = matches!(lower.trim_ascii_start().first(), Some(b';' | b'#' | b'|' | b'*'));
+        let is_head =
+            is_comment || ["id", "identifier", "can-id", "cob-id"].into_iter().any(|name| is_word(&lower, name));
+        self.cycle |= has("cycle time") && has("count") && is_head;
+        if !is_head {
+            return;
         }
-        // PEAK's rows have a kind and times in milliseconds.
-        let is_peak = line.split(u8::is_ascii_whitespace).any(|word| word == b"DT");
-        self.unit = self.unit.or(is_peak.then_some(Unit::Millis));
+        let named = |unit: &Unit| {
+            let forms = [" [", "[", " (", "("].map(|open| format!("{open}{}", unit.symbol()));
+            let names = ["time", "timestamp", "time stamp", "offset"];
+            names.into_iter().any(|name| forms.iter().any(|form| has(&format!("{name}{form}"))))
+        };
+        self.unit = self.unit.or_else(|| Unit::ALL.into_iter().find(named));
     }
+}
+
+/// Whether the text has a word between other characters than letters.
+fn is_word(text: &[u8], word: &str) -> bool {
+    text.split(|byte| !byte.is_ascii_alphanumeric() && *byte != b'-').any(|part| part == word.as_bytes())
 }

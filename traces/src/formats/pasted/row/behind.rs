@@ -1,7 +1,7 @@
 //! What follows the frame of a line: its time and direction, and the remark.
 
 use super::super::layout::{Behind, Core, DataForm};
-use super::super::token::Kind;
+use super::super::token::{Kind, Token};
 use super::super::word::{Label, Word};
 use super::{Found, Reading, Row};
 use crate::{Direction, Record};
@@ -9,9 +9,10 @@ use crate::{Direction, Record};
 impl Reading<'_> {
     /// Reads what follows the frame.
     pub(super) fn finish(mut self, record: Record) -> Row {
+        let end = self.at;
         let values = match self.layout.behind {
-            Behind::Nothing => 0,
-            Behind::Time => 1,
+            Behind::Nothing | Behind::Clock => 0,
+            Behind::Time | Behind::Counter => 1,
             Behind::CycleAndCount => 2,
         };
         for _ in 0..values {
@@ -22,22 +23,62 @@ impl Reading<'_> {
                 self.at += 1;
             }
         }
+        if self.layout.behind == Behind::Clock {
+            self.clock_behind();
+        }
         self.direction_behind();
-        if let Some([label, value]) = self.tokens.get(self.at..self.at + 2)
-            && label.kind == Kind::Label(Label::Channel)
-        {
-            self.found.channel = Some(self.at + 1);
-            self.at += 2;
-            debug_assert!(value.start >= label.end, "tokens are in the order of the line");
+        if let Some(label) = self.channel_label() {
+            self.found.channel = Some(label + 1);
+            self.at = label + 2;
         }
         let remark = self.at.checked_sub(1).and_then(|last| self.tokens.get(last)).map_or(0, |token| token.end);
         let may_go_on = self.may_go_on(&record, remark);
         let Found { time, clock, date, channel, labelled, length_is_said, .. } = self.found;
-        let Found { direction, id, extended, .. } = self.found;
+        let Found { direction, id, extended, micros, other_label, .. } = self.found;
         let (id, next) = (id.map(|(number, _)| number), self.at);
         let width_is_said = extended.is_some() || id.is_some_and(|id| id.extended);
         let record = record.with_direction(direction);
-        Row { record, time, clock, date, channel, remark, next, id, width_is_said, may_go_on, labelled, length_is_said }
+        Row {
+            record,
+            time,
+            micros,
+            other_label,
+            clock,
+            date,
+            channel,
+            remark,
+            end,
+            next,
+            id,
+            width_is_said,
+            may_go_on,
+            labelled,
+            length_is_said,
+        }
+    }
+
+    /// A date and a time of the day after the frame.
+    fn clock_behind(&mut self) {
+        let Some(begin) = clock_at(self.tokens, self.at) else { return };
+        self.at = begin;
+        while let Some(token) = self.tokens.get(self.at) {
+            match token.kind {
+                Kind::Date => self.found.date = Some(self.at),
+                Kind::Clock => self.found.clock = Some(self.at),
+                _ => return,
+            }
+            self.at += 1;
+        }
+    }
+
+    /// The label of a channel after the frame, perhaps after the data as characters in quotes.
+    fn channel_label(&self) -> Option<usize> {
+        let behind = self.at.checked_sub(1).and_then(|last| self.tokens.get(last)).map_or(0, |token| token.end);
+        let is_quoted = self.line.get(behind..)?.trim_ascii_start().starts_with(b"'");
+        let is_label = |at: &usize| self.tokens.get(*at).is_some_and(|t| t.kind == Kind::Label(Label::Channel));
+        let last = if is_quoted { self.tokens.len() } else { self.at + 1 };
+        let label = (self.at..last).rev().find(is_label)?;
+        (label + 1 < self.tokens.len()).then_some(label)
     }
 
     /// Whether more digits, a direction or words that make a frame a remote one may follow.
@@ -49,7 +90,8 @@ impl Reading<'_> {
         let is_open = match layout.core {
             Core::Notation => frame.is_remote() || frame.len() < 8,
             Core::Slcan => false,
-            Core::Apart if frame.is_remote() => false,
+            // `R` may be the beginning of `Rx`.
+            Core::Apart if frame.is_remote() => self.found.len.is_none() || self.found.received_or_remote,
             Core::Apart => {
                 let has_length = self.found.len.is_some_and(|len| len > 0);
                 !has_length && frame.len() < 8 || matches!(layout.data, DataForm::Unpadded | DataForm::Decimal)
@@ -71,4 +113,11 @@ impl Reading<'_> {
         };
         (self.found.direction, self.at) = (direction, self.at + 1);
     }
+}
+
+/// The place of a date or a time of the day that follows a frame, perhaps after a number of a timer.
+pub(in super::super) fn clock_at(tokens: &[Token], at: usize) -> Option<usize> {
+    let is_timer = tokens.get(at).is_some_and(|token| token.kind == Kind::Digits);
+    let begin = at + usize::from(is_timer);
+    tokens.get(begin).is_some_and(|token| matches!(token.kind, Kind::Date | Kind::Clock)).then_some(begin)
 }
