@@ -18,8 +18,8 @@ const NAMED: usize = 95;
 #[test]
 fn most_wrong_fields_are_found_and_named() {
     let count = std::env::var("CANVASS_WIRE_COUNT").ok().and_then(|count| count.parse().ok()).unwrap_or(400);
-    let sample = Sample { seed: 1, count: Some(count) };
-    let matrix = run(&catalogue::select(&[]).unwrap(), Model::all(), sample).unwrap();
+    let sample = Sample { only: Vec::new(), seed: 1, count: Some(count) };
+    let matrix = run(&catalogue::select(&[]).unwrap(), Model::all(), &sample).unwrap();
     let unsent: Vec<String> = matrix.unsent.iter().map(Primitive::id).collect();
     assert!(unsent.is_empty(), "no case makes a model send {unsent:?}");
     let all = matrix.counts(|_| true);
