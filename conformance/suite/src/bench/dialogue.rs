@@ -21,10 +21,12 @@ impl Bench<'_> {
         let evidence = self.evidence();
         // Between the two parts of long evidence requests are missing.
         let gap = (evidence.omitted() > 0).then(|| evidence.gap());
-        let mut dialogue = Dialogue::new(self.node(), self.timing().sdo_response);
+        // The times of frames differ a little from those between which the tester has waited.
+        let patience = Duration::from_nanos(self.timing().sdo_response.nanos() / 10 * 9);
+        let mut dialogue = Dialogue::new(self.node(), patience);
         for (place, exhibit) in evidence.frames().enumerate() {
             if gap == Some(place) {
-                dialogue.turn = Turn::Unknown;
+                (dialogue.turn, dialogue.phase) = (Turn::Unknown, Phase::Unknown);
             }
             dialogue.observe(&exhibit.record);
         }
@@ -67,8 +69,8 @@ struct Dialogue {
     patience: Duration,
     turn: Turn,
     phase: Phase,
-    /// The request that was given up last: its answer may still come.
-    given_up: Option<Asked>,
+    /// The requests that the tester has given up: their answers may still come.
+    given_up: Vec<Asked>,
     /// Whether the device has answered after a start without a command: it starts in a state that serves SDO.
     serves_when_started: bool,
     /// The first unanswered request of each phase.
@@ -83,7 +85,7 @@ impl Dialogue {
             patience,
             turn: Turn::Unknown,
             phase: Phase::Unknown,
-            given_up: None,
+            given_up: Vec::new(),
             serves_when_started: false,
             unanswered: Vec::new(),
             wrong: None,
@@ -129,7 +131,7 @@ impl Dialogue {
 
     fn on_request(&mut self, at: Timestamp, request: Option<Request>) {
         if let Turn::Server { asked } = self.turn {
-            self.given_up = Some(asked);
+            self.given_up.push(asked);
             if asked.phase != Phase::Unknown && asked.phase == self.phase && at.since(asked.at) >= self.patience {
                 self.unanswered.push(asked);
             }
@@ -151,28 +153,29 @@ impl Dialogue {
         if matches!(response, Some(Response::Abort(abort)) if abort.code == AbortCode::TIMEOUT) {
             return;
         }
-        match self.turn {
+        let turn = self.turn;
+        match turn {
             Turn::Unknown => {}
             Turn::Server { asked } if asked.is_answered_by(response) => {
                 self.serves_when_started |= asked.phase == Phase::Started;
                 self.turn = Turn::Client { answered: asked };
             }
-            // The answer to the request before comes late.
-            Turn::Server { .. } if self.given_up.is_some_and(|asked| asked.is_answered_by(response)) => {
-                self.given_up = None;
-            }
+            Turn::Server { .. } | Turn::Client { .. } if self.is_late(response) => {}
             Turn::Server { asked } => {
                 let duty = format!("the answer to a request for {0} is about {0}", asked.multiplexer);
                 self.found(asked, duty, record, response);
-            }
-            Turn::Client { .. } if self.given_up.is_some_and(|asked| asked.is_answered_by(response)) => {
-                self.given_up = None;
             }
             Turn::Client { answered } => {
                 let duty = format!("a request for {} is answered once", answered.multiplexer);
                 self.found(answered, duty, record, response);
             }
         }
+    }
+
+    /// Whether the response is the late answer to a request that the tester has given up.
+    fn is_late(&mut self, response: Option<Response>) -> bool {
+        let late = self.given_up.iter().position(|asked| asked.is_answered_by(response));
+        late.is_some_and(|place| self.given_up.drain(..=place).next().is_some())
     }
 
     fn found(&mut self, asked: Asked, duty: String, record: &Record, response: Option<Response>) {
@@ -245,7 +248,10 @@ mod tests {
     /// An answer that comes after the tester has given up belongs to the request before.
     #[test]
     fn a_late_answer_is_no_other_answer() {
-        let other = ">63F#4001100000000000";
+        let (other, third) = (">63F#4001100000000000", ">63F#4018100000000000");
+        let aborted = ">63F#8000100000000405";
+        let both = [(0, ASKED), (1_000, aborted), (1_001, other), (2_001, third), (2_002, ANSWERED)];
+        assert_eq!(found(&[&both[..], &[(2_003, "<5BF#4F01100000000000")]].concat()), None);
         let late = [(0, ASKED), (1_000, other), (1_500, ANSWERED), (2_000, "<5BF#4F01100000000000")];
         assert_eq!(found(&late), None);
         assert_eq!(found(&[(0, ASKED), (1_000, other), (1_100, "<5BF#4F01100000000000"), (1_500, ANSWERED)]), None);

@@ -104,11 +104,16 @@ pub fn expect_silence<D: Observed>(duty: String, found: Option<Response<D>>) -> 
 pub fn expect_dialogue<D: Observed>(bench: &mut Bench<'_>) -> Judged {
     // The response to the last request may be followed by another one.
     bench.listen(bench.timing().silence)?;
+    if !bench.others().is_empty() {
+        // Another slave may have answered, too: responses name no sender.
+        return Ok(());
+    }
     let evidence = bench.evidence();
     // Between the two parts of long evidence requests are missing.
     let gap = (evidence.omitted() > 0).then(|| evidence.gap());
     let records: Vec<&Record> = evidence.frames().map(|exhibit| &exhibit.record).collect();
-    let (head, tail) = records.split_at(gap.unwrap_or(records.len()));
+    let parts = records.split_at_checked(gap.unwrap_or(records.len()));
+    let (head, tail) = parts.unwrap_or((&records, &[]));
     let wrong = wrong_response::<D>(head).or_else(|| wrong_response::<D>(tail));
     bench.check(wrong.map_or(Ok(()), |breach| Err(Box::new(breach))))
 }

@@ -73,7 +73,7 @@ fn burst(bench: &mut Bench<'_>) -> Judged {
     bench.download(HEARTBEAT_TIME, &200_u16.to_le_bytes())?.expect_confirmation()?;
     bench.listen(PERIOD.times(3))?;
     let mut heard = bench.heard_since(begun);
-    heard.retain(|record| bench.is_error_control(&record.frame) && !record.frame.is_remote());
+    heard.retain(|record| bench.is_error_control(&record.frame));
     let gaps = heard.windows(2).filter_map(|pair| Some(pair.last()?.timestamp.since(pair.first()?.timestamp)));
     let least = Duration::from_nanos(PERIOD.nanos() / 4);
     let shortest = gaps.min().unwrap_or(PERIOD);
@@ -142,18 +142,17 @@ fn state(bench: &mut Bench<'_>) -> Judged {
 fn shows(bench: &mut Bench<'_>, state: State, before: &[State], begun: Timestamp) -> Judged {
     bench.listen(bench.timing().reaction)?;
     let reacted = bench.now();
-    heartbeats(bench, Duration::from_millis(200))?;
-    let mut heard = bench.heard_since(begun);
-    heard.retain(|record| bench.is_error_control(&record.frame) && !record.frame.is_remote());
+    let mut early = bench.heard_since(begun);
+    early.retain(|record| bench.is_error_control(&record.frame));
+    let heard = heartbeats(bench, Duration::from_millis(200))?;
     let is_right = |record: &Record| match *record.data() {
         [byte] => byte == state.0 || record.timestamp <= reacted && before.iter().any(|before| byte == before.0),
         _ => false,
     };
-    let wrong = heard.iter().find(|record| !is_right(record));
-    let is_silent = heard.iter().all(|record| record.timestamp <= reacted);
+    let wrong = early.iter().chain(&heard).find(|record| !is_right(record));
     let found = match wrong {
         Some(wrong) => Observation::Value(wrong.data().to_vec()),
-        None if is_silent => Observation::Silence,
+        None if heard.is_empty() => Observation::Silence,
         None => return Ok(()),
     };
     let duty = format!("heartbeats of a device that is {state} show this state");

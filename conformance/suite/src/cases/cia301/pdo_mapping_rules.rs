@@ -116,9 +116,9 @@ fn layout(bench: &mut Bench<'_>) -> Judged {
     if !has_timer {
         bench.send_bytes(sync_id, &[])?;
     }
-    bench.listen(Duration::from_millis(300))?;
     let mut heard = bench.heard_since(begun);
-    heard.retain(|record| record.frame.cob_id() == Some(can_id) && !record.frame.is_remote());
+    heard.retain(|record| record.frame.cob_id() == Some(can_id));
+    heard.extend(bench.frames_of(can_id, Duration::from_millis(300))?);
     if heard.is_empty() {
         let reason = Reason::new("TPDO 1 is sent", "one every 100 ms, or with SYNC", "none in 300 ms");
         return Err(Stop::Inconclusive(reason));

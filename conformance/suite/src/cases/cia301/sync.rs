@@ -53,10 +53,8 @@ fn counted(duty: impl Into<String>, least: u64, most: Option<u64>, heard: &[Reco
     Breach::new(Service::Sync, duty.into()).expected(Allowed::Count { least, most }).found(found)
 }
 
-/// Requires a first SYNC within one period after bit 30 of 1005h was `set`.
-fn begins_in_time(bench: &mut Bench<'_>, id: u16, begun: Timestamp, set: Timestamp) -> Judged {
-    let heard = bench.heard_since(begun);
-    let first = heard.iter().find(|record| record.frame.cob_id() == Some(id) && !record.frame.is_remote());
+/// Requires a `first` SYNC within one period after bit 30 of 1005h was `set`.
+fn begins_in_time(bench: &mut Bench<'_>, set: Timestamp, first: Option<&Record>) -> Judged {
     let took = first.map(|record| record.timestamp.since(set));
     let most = PERIOD_TIME + bench.tolerance(PERIOD_TIME) + bench.host_delay();
     bench.check(demand(took.is_some_and(|took| took <= most), || {
@@ -72,12 +70,11 @@ fn begins_in_time(bench: &mut Bench<'_>, id: u16, begun: Timestamp, set: Timesta
        needs = [SyncProducer], catches = [SyncPeriodDoubled, SyncHangsWithoutCounter], cct = "6.2")]
 fn period(bench: &mut Bench<'_>) -> Judged {
     let was_off = bench.read_number(COB_ID)? & PRODUCES == 0;
-    let begun = bench.now();
     let id = produce(bench, 0)?;
     let set = bench.now();
-    syncs(bench, id, 2)?;
+    let first = syncs(bench, id, 2)?;
     if was_off {
-        begins_in_time(bench, id, begun, set)?;
+        begins_in_time(bench, set, first.first())?;
     }
     let heard = syncs(bench, id, 20)?;
     let gaps = u64::try_from(heard.len().saturating_sub(1)).unwrap_or(0);

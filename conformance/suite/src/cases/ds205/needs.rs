@@ -14,12 +14,13 @@ pub static LMT: Need = Need::new("lmt", "layer management (LMT)", |bench| {
     }
     let begun = bench.now();
     tell(bench, Request::SwitchGlobal { mode: 1 })?;
+    let mut answers = false;
     for part in Part::ALL {
-        tell(bench, Request::Inquire { part })?;
+        answers |= tell(bench, Request::Inquire { part })?.is_some();
     }
     tell(bench, Request::SwitchGlobal { mode: 0 })?;
     // A wrong response is one, too: the cases judge it.
-    let answers = bench.heard_since(begun).iter().any(|record| record.frame.cob_id() == Some(SLAVE_CAN_ID));
+    answers |= bench.heard_since(begun).iter().any(|record| record.frame.cob_id() == Some(SLAVE_CAN_ID));
     Ok(match answers {
         true => Ok(()),
         false => Err("no LMT slave answers an inquiry".to_owned()),
