@@ -40,6 +40,9 @@ pub struct Args {
     /// Instead run the cases on devices with one wrong field of one message: show which of these devices fail
     #[arg(long, conflicts_with_all = ["fuzz", "fault", "null"])]
     wire: bool,
+    /// With --wire: the devices to run, such as `sdo/*` or `*/frame/lost/*` (default: all)
+    #[arg(long, value_name = "PATTERN", value_delimiter = ',', requires = "wire")]
+    mutant: Vec<String>,
     /// With --wire: number of these devices, drawn by --seed (default: all)
     #[arg(long, value_name = "N", requires = "wire")]
     count: Option<usize>,
@@ -127,9 +130,12 @@ impl Args {
 
     fn wire(self) -> Result<Status, Failure> {
         let (cases, _) = self.chosen()?;
-        let sample = selftest::wire::Sample { seed: self.seed, count: self.count };
+        let sample = selftest::wire::Sample { only: self.mutant, seed: self.seed, count: self.count };
         let matrix =
-            selftest::wire::run(&cases, Model::all(), sample).map_err(|error| Failure::unreachable(anyhow!(error)))?;
+            selftest::wire::run(&cases, Model::all(), &sample).map_err(|error| Failure::unreachable(anyhow!(error)))?;
+        if matrix.rows.is_empty() {
+            return Err(Failure::unreachable(anyhow!("no device was tested: no id matches --mutant")));
+        }
         match self.format {
             MatrixFormat::Table => print(&Printable::document(&wire::text(&matrix)))?,
             MatrixFormat::Json => unless_closed(wire::json(&matrix, &mut document(false)))?,

@@ -952,6 +952,9 @@ pub enum Fault {
     /// Identify remote slave of LMT is answered even outside the range of serial numbers.
     #[row(model = "tr-lmp30")]
     LmtIdentifyRangeIgnored,
+    /// LMT responses have seven bytes.
+    #[row(model = "tr-lmp30")]
+    LmtShortResponse,
     /// LMT inquiries return the serial number in binary.
     #[row(model = "tr-lmp30")]
     LmtSerialNotBcd,

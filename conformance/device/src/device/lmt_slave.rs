@@ -233,7 +233,9 @@ impl Service for LmtSlave {
         }
         let (response, effect) = self.on_request(request, &address, &sheet.bit_rates, context.firmware());
         if let Some(response) = response {
-            context.send(response.to_frame(lmt::SLAVE_CAN_ID));
+            let frame = response.to_frame(lmt::SLAVE_CAN_ID);
+            let short = frame.data().get(..7).filter(|_| context.has(Fault::LmtShortResponse));
+            context.send(short.and_then(|bytes| Frame::new(frame.id(), bytes)).unwrap_or(frame));
         }
         match effect {
             Some(Effect::Store) => self.store(context),

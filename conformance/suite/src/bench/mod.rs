@@ -21,6 +21,7 @@ mod case_log;
 mod changes;
 mod clients;
 mod decoder;
+mod dialogue;
 pub(crate) mod dictionary;
 mod evidence;
 mod features;

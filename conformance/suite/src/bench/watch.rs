@@ -13,6 +13,10 @@ use std::collections::BTreeSet;
 /// Maximum time between two boot-up messages of the same start: only the boot-up cases judge the second message.
 pub(super) const SAME_START: Duration = Duration::from_millis(500);
 
+/// Maximum time from a guarding request to its answer. An answer that shows state 0 looks like a boot-up message; the
+/// guarding cases judge it.
+const GUARDED: Duration = Duration::from_millis(100);
+
 /// Maximum number of EMCYs that are remembered, enough even for a storm.
 const EMERGENCIES: usize = 16;
 
@@ -37,6 +41,8 @@ pub struct Watch {
     second_boot_up: Option<Timestamp>,
     /// Whether the tester has sent a frame since the last boot-up.
     sent_since: bool,
+    /// The time of the guarding request that the device has not answered yet.
+    guarded: Option<Timestamp>,
     emergencies: Vec<(Timestamp, Emcy)>,
     provoked: bool,
     others: BTreeSet<NodeId>,
@@ -62,6 +68,7 @@ impl Watch {
             restarted: None,
             second_boot_up: None,
             sent_since: false,
+            guarded: None,
             emergencies: Vec::new(),
             provoked: false,
             others: BTreeSet::new(),
@@ -96,7 +103,10 @@ impl Watch {
 
     /// Takes a frame from the bus.
     pub fn observe(&mut self, record: &Record) {
-        let Some(cob_id) = record.frame.cob_id() else { return };
+        let Some(cob_id) = record.frame.cob_id() else {
+            self.on_remote(record);
+            return;
+        };
         if record.direction == Direction::Tx {
             self.sent_since = true;
             let memory = memory_command(cob_id, record.data(), self.node);
@@ -116,6 +126,10 @@ impl Watch {
                 self.others.insert(node);
             }
         } else if is_error_control {
+            let asked = self.guarded.take().filter(|asked| record.timestamp.since(*asked) <= GUARDED);
+            if asked.is_some() && !self.awaiting_boot_up {
+                return;
+            }
             if ErrorControl::read(record.frame.data()).is_ok_and(ErrorControl::is_boot_up) {
                 self.on_boot_up(record.timestamp);
             }
@@ -123,6 +137,14 @@ impl Watch {
             && let Ok(emcy) = Emcy::read(record.frame.data())
         {
             self.on_emergency(record.timestamp, emcy);
+        }
+    }
+
+    fn on_remote(&mut self, record: &Record) {
+        let id = error_control::CAN_ID_BASE + u16::from(self.node.raw());
+        if record.direction == Direction::Tx && record.frame.is_remote() && record.frame.id().as_standard() == Some(id)
+        {
+            self.guarded = Some(record.timestamp);
         }
     }
 
@@ -333,6 +355,25 @@ mod tests {
         ] {
             assert_eq!(stores(other, Direction::Tx), 0, "{other}");
         }
+    }
+
+    /// The first error control message soon after a guarding request is its answer, whatever state it shows.
+    #[test]
+    fn the_answer_to_guarding_is_no_restart() {
+        let restarted = |asked: u64, booted: &[u64], awaits: bool| {
+            let mut watch = Watch::new(NodeId::new(63).unwrap());
+            if awaits {
+                watch.expect_boot_up();
+            }
+            let request = Record::new(Timestamp(asked * 1_000_000), ChannelId(0), crate::scripted::frame("73F#R1"));
+            watch.observe(&request.with_direction(Direction::Tx));
+            booted.iter().for_each(|at| watch.observe(&boot_up(*at)));
+            watch.boots().unasked.map(|at| at.0 / 1_000_000)
+        };
+        assert_eq!(restarted(1_000, &[1_100], false), None);
+        assert_eq!(restarted(1_000, &[1_101], false), Some(1_101), "too late for an answer");
+        assert_eq!(restarted(1_000, &[1_010, 1_020], false), Some(1_020), "only the first answers");
+        assert_eq!(restarted(1_000, &[1_010, 3_000], true), Some(3_000), "the awaited start");
     }
 
     /// Of a storm of errors sixteen are kept. The end of an error does not count, nor does an error of another node.

@@ -1,14 +1,14 @@
 //! Shared functions of the LSS and LMT cases: sending and receiving messages, and the observations of answers.
 
 use crate::bench::Bench;
-use crate::verdict::{Allowed, Breach, Check, Stop, demand};
+use crate::verdict::{Allowed, Breach, Check, Judged, Stop, demand};
 use canvass_analyzer::Service;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::layer_setting::{
     ConfigureCommand, Dialect, MASTER_CAN_ID, Request, Response, SLAVE_CAN_ID,
 };
 use canvass_bus::observation::Observation;
-use canvass_traces::Duration;
+use canvass_traces::{Direction, Duration, Record};
 
 /// A dialect of layer setting, and the words for its responses in reports.
 pub trait Observed: Dialect {
@@ -97,4 +97,112 @@ pub(crate) fn expect_silence<D: Observed>(duty: String, found: Option<Response<D
         let breach = Breach::new(D::SERVICE, duty).expected(Observation::Silence);
         breach.found(observed(found)).told(shown(found))
     })
+}
+
+/// Requires of the whole dialogue of the case, its preparation included, that each response answers a request, once,
+/// and has eight bytes, the unused ones 0.
+pub fn expect_dialogue<D: Observed>(bench: &mut Bench<'_>) -> Judged {
+    // The response to the last request may be followed by another one.
+    bench.listen(bench.timing().silence)?;
+    if !bench.others().is_empty() {
+        // Another slave may have answered, too: responses name no sender.
+        return Ok(());
+    }
+    let evidence = bench.evidence();
+    // Between the two parts of long evidence requests are missing.
+    let gap = (evidence.omitted() > 0).then(|| evidence.gap());
+    let records: Vec<&Record> = evidence.frames().map(|exhibit| &exhibit.record).collect();
+    let parts = records.split_at_checked(gap.unwrap_or(records.len()));
+    let (head, tail) = parts.unwrap_or((&records, &[]));
+    let wrong = wrong_response::<D>(head).or_else(|| wrong_response::<D>(tail));
+    bench.check(wrong.map_or(Ok(()), |breach| Err(Box::new(breach))))
+}
+
+/// The first response that answers no request, or that has a wrong form.
+fn wrong_response<D: Observed>(records: &[&Record]) -> Option<Breach> {
+    let mut open: Option<Vec<Request<D>>> = None;
+    for record in records {
+        match (record.direction, record.frame.cob_id()) {
+            (Direction::Tx, Some(MASTER_CAN_ID)) => {
+                open.get_or_insert_default().extend(Request::read(record.frame.data()));
+            }
+            // Another master: its slaves answer it.
+            (_, Some(MASTER_CAN_ID)) => open = None,
+            (Direction::Rx, Some(SLAVE_CAN_ID)) => {
+                // Without a request of the tester the response belongs to another dialogue.
+                let Some(open) = &mut open else { continue };
+                if let Some(breach) = judged(open, record) {
+                    return Some(breach);
+                }
+            }
+            _ => {}
+        }
+    }
+    None
+}
+
+/// Judges a response after these unanswered requests. It answers the oldest that it fits; those before that one get no
+/// response any more.
+fn judged<D: Observed>(open: &mut Vec<Request<D>>, record: &Record) -> Option<Breach> {
+    let breach = |duty: String| {
+        let breach = Breach::new(D::SERVICE, duty).found(Observation::Frame(record.frame));
+        Breach { seen: Some(record.timestamp), ..breach }
+    };
+    let response = Response::<D>::read(record.frame.data()).ok();
+    let told = format!("{}: {}", record.frame, shown(response));
+    let place = response.and_then(|response| open.iter().position(|request| response.answers(*request)));
+    let (Some(response), Some(place)) = (response, place) else {
+        let duty = match open.last() {
+            Some(request) => format!("a response to \"{request}\" is the one that belongs to it"),
+            None => "a request is answered once".to_owned(),
+        };
+        return Some(breach(duty).expected("no other response").told(told));
+    };
+    let request = open.drain(..=place).next_back()?;
+    let is_clean = response.to_frame(SLAVE_CAN_ID) == record.frame && !response.says_too_much();
+    (!is_clean).then(|| {
+        let breach = breach(format!("the response to \"{request}\" has eight bytes, and unused bytes are 0"));
+        breach.expected("eight bytes, the unused ones 0").told(told)
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scripted::frame;
+    use canvass_analyzer::wire::lss::Lss;
+    use canvass_traces::{ChannelId, Timestamp};
+
+    /// What is found in these frames; the tester sends those after `>`.
+    fn found(frames: &[&str]) -> Option<String> {
+        let records = frames.iter().map(|text| {
+            let direction = if text.starts_with('>') { Direction::Tx } else { Direction::Rx };
+            Record::new(Timestamp::ZERO, ChannelId(0), frame(&text[1..])).with_direction(direction)
+        });
+        let records: Vec<Record> = records.collect();
+        wrong_response::<Lss>(&records.iter().collect::<Vec<_>>()).map(|breach| breach.to_string())
+    }
+
+    const ASKED: &str = ">7E5#5E00000000000000";
+    const ANSWERED: &str = "<7E4#5E3F000000000000";
+
+    #[test]
+    fn a_response_answers_a_request_once() {
+        assert_eq!(found(&[ASKED, ANSWERED, ASKED, ANSWERED]), None);
+        assert_eq!(found(&[ASKED, ASKED, ANSWERED, ANSWERED]), None, "the first answer comes late");
+        assert!(found(&[ASKED, ANSWERED, ANSWERED]).is_some_and(|told| told.contains("is answered once")));
+        assert!(found(&[ASKED, "<7E4#5A00000000000000"]).is_some_and(|told| told.contains("belongs to it")));
+        assert_eq!(found(&[ANSWERED, ANSWERED]), None, "without a request of the tester");
+        assert_eq!(found(&[ASKED, ANSWERED, "<7E5#5E00000000000000", ANSWERED]), None, "another master");
+    }
+
+    #[test]
+    fn a_response_has_eight_bytes_and_the_unused_ones_are_0() {
+        let asked = ">7E5#113F000000000000";
+        assert_eq!(found(&[asked, "<7E4#11FF070000000000"]), None, "a specific error");
+        for wrong in ["1100070000000000", "1100000000000001", "11000000000000"] {
+            let told = found(&[asked, &format!("<7E4#{wrong}")]).unwrap();
+            assert!(told.contains("has eight bytes, and unused bytes are 0"), "{told}");
+        }
+    }
 }

@@ -12,7 +12,7 @@ use canvass_analyzer::wire::sdo::Request;
 use canvass_analyzer::{Multiplexer, Service};
 use canvass_bus::client::sdo::Bytes;
 use canvass_bus::observation::Observation;
-use canvass_traces::{Duration, Record};
+use canvass_traces::{Duration, Record, Timestamp};
 
 fn set_time(bench: &mut Bench<'_>, milliseconds: u16) -> Result<(), Stop> {
     bench.write(HEARTBEAT_TIME, &milliseconds.to_le_bytes())
@@ -36,6 +36,7 @@ fn counted(duty: &'static str, least: u64, most: Option<u64>, found: usize) -> B
        needs = [Heartbeat], catches = [HeartbeatPeriodDoubled, HeartbeatTimerRounded], cct = "7.102")]
 fn period(bench: &mut Bench<'_>) -> Judged {
     const PERIODS: u64 = 10;
+    burst(bench)?;
     bench.each([100_u16, 250, 1_000], |bench, milliseconds| {
         let period = Duration::from_millis(u64::from(milliseconds));
         // This case requires that a valid time is accepted; all other cases only need it.
@@ -62,6 +63,27 @@ fn period(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
+/// Requires that the first heartbeats of a device that sent none before are not sent at once.
+fn burst(bench: &mut Bench<'_>) -> Judged {
+    const PERIOD: Duration = Duration::from_millis(200);
+    if bench.read_number(HEARTBEAT_TIME)? != 0 {
+        return Ok(());
+    }
+    let begun = bench.now();
+    bench.download(HEARTBEAT_TIME, &200_u16.to_le_bytes())?.expect_confirmation()?;
+    bench.listen(PERIOD.times(3))?;
+    let mut heard = bench.heard_since(begun);
+    heard.retain(|record| bench.is_error_control(&record.frame));
+    let gaps = heard.windows(2).filter_map(|pair| Some(pair.last()?.timestamp.since(pair.first()?.timestamp)));
+    let least = Duration::from_nanos(PERIOD.nanos() / 4);
+    let shortest = gaps.min().unwrap_or(PERIOD);
+    bench.check(demand(shortest >= least, || {
+        let duty = "with 1017h = 200 the first heartbeats are 200 ms apart";
+        let allowed = Allowed::Time { least, most: PERIOD.times(2) };
+        Breach::new(Service::Heartbeat, duty).expected(allowed).found(Observation::Time(shortest))
+    }))
+}
+
 fn mean_period(heard: &[Record]) -> Option<Duration> {
     let (first, last) = (heard.first()?, heard.last()?);
     let gaps = u64::try_from(heard.len().checked_sub(1)?).ok().filter(|&gaps| gaps > 0)?;
@@ -86,27 +108,56 @@ fn off(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// A heartbeat is one byte that holds the NMT state: 7Fh pre-operational, 05h operational, 04h stopped; bit 7 is 0.
+/// A heartbeat is one byte that holds the NMT state: 7Fh pre-operational, 05h operational, 04h stopped; bit 7 is 0. This
+/// holds for the first heartbeat, too. While the state changes, a heartbeat may show either state.
 #[case(id = "301/heartbeat/state", clause = "CiA 301 7.2.8.3.2.2", confidence = Cited, level = Must,
        needs = [Heartbeat], catches = [HeartbeatWrongState, HeartbeatToggles, HeartbeatLostOnStateChange])]
 fn state(bench: &mut Bench<'_>) -> Judged {
+    bench.command(Command::START)?;
+    bench.listen(bench.timing().reaction)?;
+    let begun = bench.now();
     set_time(bench, 50)?;
-    bench.each([State::PRE_OPERATIONAL, State::OPERATIONAL, State::STOPPED, State::OPERATIONAL], |bench, state| {
+    shows(bench, State::OPERATIONAL, &[], begun)?;
+    let states = [State::PRE_OPERATIONAL, State::OPERATIONAL, State::STOPPED, State::OPERATIONAL];
+    let mut before = State::OPERATIONAL;
+    bench.each(states, |bench, state| {
+        let begun = bench.now();
         if let Some(command) = command_to(state) {
             bench.command(command)?;
         }
-        bench.listen(bench.timing().reaction)?;
-        let heard = heartbeats(bench, Duration::from_millis(200))?;
-        let wrong = heard.iter().find(|record| record.data() != [state.0]);
-        let found = match (heard.is_empty(), wrong) {
-            (true, _) => Observation::Silence,
-            (_, Some(wrong)) => Observation::Value(wrong.data().to_vec()),
-            _ => return Ok(()),
-        };
-        let duty = format!("heartbeats of a device that is {state} show this state");
-        let breach = Breach::new(Service::Heartbeat, duty).expected(Observation::Value(vec![state.0]));
-        bench.check(Err(Box::new(breach.found(found))))
-    })
+        let earlier = std::mem::replace(&mut before, state);
+        shows(bench, state, &[earlier], begun)
+    })?;
+    bench.reset(Command::RESET_NODE)?;
+    if bench.starts_by_itself()? {
+        return Ok(());
+    }
+    let begun = bench.now();
+    set_time(bench, 50)?;
+    shows(bench, State::PRE_OPERATIONAL, &[], begun)
+}
+
+/// Requires heartbeats that show this state. Those of the reaction time, from `begun` on, may still show the states
+/// before.
+fn shows(bench: &mut Bench<'_>, state: State, before: &[State], begun: Timestamp) -> Judged {
+    bench.listen(bench.timing().reaction)?;
+    let reacted = bench.now();
+    let mut early = bench.heard_since(begun);
+    early.retain(|record| bench.is_error_control(&record.frame));
+    let heard = heartbeats(bench, Duration::from_millis(200))?;
+    let is_right = |record: &Record| match *record.data() {
+        [byte] => byte == state.0 || record.timestamp <= reacted && before.iter().any(|before| byte == before.0),
+        _ => false,
+    };
+    let wrong = early.iter().chain(&heard).find(|record| !is_right(record));
+    let found = match wrong {
+        Some(wrong) => Observation::Value(wrong.data().to_vec()),
+        None if heard.is_empty() => Observation::Silence,
+        None => return Ok(()),
+    };
+    let duty = format!("heartbeats of a device that is {state} show this state");
+    let breach = Breach::new(Service::Heartbeat, duty).expected(Observation::Value(vec![state.0]));
+    bench.check(Err(Box::new(breach.found(found))))
 }
 
 /// A new heartbeat time that is written while heartbeats are sent takes effect after the old period at the latest,

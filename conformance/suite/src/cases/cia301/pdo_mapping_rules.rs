@@ -83,7 +83,7 @@ fn procedure(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// A TPDO carries its objects in the order of its mapping.
+/// A TPDO carries its objects in the order of its mapping, from the first one after a start on.
 #[case(id = "301/pdo/mapping/layout", clause = "CiA 301 7.5.2.38", confidence = Cited, level = Must,
        needs = [Changeable], catches = [TpdoBytesReversed])]
 fn layout(bench: &mut Bench<'_>) -> Judged {
@@ -108,22 +108,29 @@ fn layout(bench: &mut Bench<'_>) -> Judged {
     bench.write(changeable.at, &other)?;
     let can_id = (bench.pdo_cob_id(TPDO)?.can_id() & 0x7FF) as u16;
     let sync_id = bench.sync_id()?;
+    // The application may take over the value a little later.
+    bench.listen(bench.timing().reaction)?;
+    let begun = bench.now();
     bench.command(Command::START)?;
     bench.listen(bench.timing().reaction)?;
     if !has_timer {
         bench.send_bytes(sync_id, &[])?;
     }
-    let heard = bench.frames_of(can_id, Duration::from_millis(300))?;
-    let length = usize::from((second.bits + changeable.bits) / 8);
-    let Some(last) = heard.last() else {
+    let mut heard = bench.heard_since(begun);
+    heard.retain(|record| record.frame.cob_id() == Some(can_id));
+    heard.extend(bench.frames_of(can_id, Duration::from_millis(300))?);
+    if heard.is_empty() {
         let reason = Reason::new("TPDO 1 is sent", "one every 100 ms, or with SYNC", "none in 300 ms");
         return Err(Stop::Inconclusive(reason));
-    };
-    let found = last.data().get(usize::from(second.bits / 8)..).unwrap_or_default();
-    bench.check(demand(last.data().len() == length && found == other, || {
-        let duty = format!("{} follows {} in TPDO 1, as mapped", changeable.at, second.at);
+    }
+    let length = usize::from((second.bits + changeable.bits) / 8);
+    let is_right = |data: &[u8]| data.len() == length && data.get(usize::from(second.bits / 8)..) == Some(&other[..]);
+    let wrong = heard.iter().find(|record| !is_right(record.data()));
+    bench.check(wrong.map_or(Ok(()), |wrong| {
+        let duty = format!("{} follows {} in each TPDO 1, as mapped", changeable.at, second.at);
         let expected = format!("{length} bytes that end in {}", Bytes(&other));
-        Breach::new(TPDO.subject(), duty).expected(expected).found(Observation::Value(last.data().to_vec()))
+        let found = Observation::Value(wrong.data().to_vec());
+        Err(Box::new(Breach::new(TPDO.subject(), duty).expected(expected).found(found)))
     }))
 }
 

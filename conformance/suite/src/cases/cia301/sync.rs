@@ -14,7 +14,7 @@ use canvass_analyzer::wire::{emcy, sync};
 use canvass_analyzer::{Multiplexer, Service};
 use canvass_bus::client::sdo::Bytes;
 use canvass_bus::observation::Observation;
-use canvass_traces::{Duration, Record};
+use canvass_traces::{Duration, Record, Timestamp};
 
 pub(super) const COB_ID: Multiplexer = Multiplexer::new(object::COB_ID_SYNC, 0);
 const PERIOD: Multiplexer = Multiplexer::new(object::COMMUNICATION_CYCLE_PERIOD, 0);
@@ -53,12 +53,29 @@ fn counted(duty: impl Into<String>, least: u64, most: Option<u64>, heard: &[Reco
     Breach::new(Service::Sync, duty.into()).expected(Allowed::Count { least, most }).found(found)
 }
 
-/// A SYNC producer sends SYNC with the period in microseconds that 1006h holds.
+/// Requires a `first` SYNC within one period after bit 30 of 1005h was `set`.
+fn begins_in_time(bench: &mut Bench<'_>, set: Timestamp, first: Option<&Record>) -> Judged {
+    let took = first.map(|record| record.timestamp.since(set));
+    let most = PERIOD_TIME + bench.tolerance(PERIOD_TIME) + bench.host_delay();
+    bench.check(demand(took.is_some_and(|took| took <= most), || {
+        Breach::new(Service::Sync, "the first SYNC comes within one period after bit 30 of 1005h is set")
+            .expected(Allowed::Time { least: Duration::ZERO, most })
+            .found(took.map_or(Observation::Silence, Observation::Time))
+    }))
+}
+
+/// A SYNC producer sends SYNC with the period in microseconds that 1006h holds, the first within one period after bit 30
+/// of 1005h is set.
 #[case(id = "301/sync/period", clause = "CiA 301 7.5.2.6", confidence = Cited, level = Must,
        needs = [SyncProducer], catches = [SyncPeriodDoubled, SyncHangsWithoutCounter], cct = "6.2")]
 fn period(bench: &mut Bench<'_>) -> Judged {
+    let was_off = bench.read_number(COB_ID)? & PRODUCES == 0;
     let id = produce(bench, 0)?;
-    syncs(bench, id, 2)?;
+    let set = bench.now();
+    let first = syncs(bench, id, 2)?;
+    if was_off {
+        begins_in_time(bench, set, first.first())?;
+    }
     let heard = syncs(bench, id, 20)?;
     let gaps = u64::try_from(heard.len().saturating_sub(1)).unwrap_or(0);
     let span = heard.first().zip(heard.last()).map(|(first, last)| last.timestamp.since(first.timestamp));
@@ -310,7 +327,7 @@ fn consumer_only(bench: &mut Bench<'_>) -> Judged {
         let heard = syncs(bench, id, 6)?;
         return bench.check(demand(!heard.is_empty(), || {
             let breach = Breach::new(COB_ID, "a device that accepts bit 30 of 1005h produces SYNC");
-            let breach = breach.expected("SYNC, or abort 0609 0030h").found(Observation::Confirmation);
+            let breach = breach.expected("SYNC, or abort 0609 0030h").found(Observation::Silence);
             breach.told("confirmation, but no SYNC")
         }));
     }

@@ -7,10 +7,12 @@ use crate::cases::layer_setting::{self, Observed, exchange_within};
 pub use crate::cases::layer_setting::{exchange, observed, shown, tell};
 use crate::verdict::{Allowed, Breach, Check, Judged, Reason, Stop, demand};
 use canvass_analyzer::object;
+use canvass_analyzer::wire::Wire;
+use canvass_analyzer::wire::layer_setting::SLAVE_CAN_ID;
 use canvass_analyzer::wire::lss::{ConfigureCommand, Lss, Part, Request, Response};
 use canvass_analyzer::{Multiplexer, Service};
 use canvass_bus::observation::Observation;
-use canvass_traces::Duration;
+use canvass_traces::{Duration, Timestamp};
 
 impl Observed for Lss {
     const SERVICE: Service = Service::Lss;
@@ -71,6 +73,14 @@ pub fn node_id(bench: &mut Bench<'_>) -> Result<Option<u8>, Stop> {
         Some(Response::NodeId(node)) => Some(node),
         _ => None,
     })
+}
+
+/// The node-IDs that the slave has reported since `begun`.
+pub fn node_ids(bench: &Bench<'_>, begun: Timestamp) -> Vec<u8> {
+    let heard = bench.heard_since(begun);
+    let responses = heard.iter().filter(|record| record.frame.cob_id() == Some(SLAVE_CAN_ID));
+    let responses = responses.filter_map(|record| Response::read(record.frame.data()).ok());
+    responses.filter_map(|response| if let Response::NodeId(node) = response { Some(node) } else { None }).collect()
 }
 
 /// Brings the slave into configuration and checks it.

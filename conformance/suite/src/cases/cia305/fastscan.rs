@@ -9,8 +9,9 @@ use super::dialogue::{
 use super::unconfigured::unconfigured;
 use crate::bench::Bench;
 use crate::case;
+use crate::cases::layer_setting::expect_dialogue;
 use crate::verdict::{Check, Judged, Stop, demand};
-use canvass_analyzer::wire::lss::{Request, Response};
+use canvass_analyzer::wire::lss::{Lss, Request, Response};
 use canvass_bus::observation::Observation;
 
 /// The bit check of the message with which a scan begins.
@@ -46,7 +47,8 @@ fn begin(bench: &mut Bench<'_>) -> Judged {
         let answer = scan(bench, address[0] ^ 0x8000_0000, 31, 0, 0)?;
         bench.check(expect_silence("after it a Fastscan of another vendor-ID", answer))?;
         let answer = scan(bench, address[0] & 0x8000_0000, 31, 0, 0)?;
-        bench.check(expect_match("after it a Fastscan of the first bit of the vendor-ID", answer))
+        bench.check(expect_match("after it a Fastscan of the first bit of the vendor-ID", answer))?;
+        expect_dialogue::<Lss>(bench)
     })
 }
 

@@ -109,11 +109,14 @@ fn valid(bench: &mut Bench<'_>) -> Judged {
        needs = [Lss, Alone], touches = [NodeId], catches = [LssNodeIdUnchecked])]
 fn invalid(bench: &mut Bench<'_>) -> Judged {
     configure(bench)?;
-    bench.each([0, 128, 200, 254], |bench, node_id| {
+    bench.each([0, 128, 129, 200, 254], |bench, node_id| {
         let answer = exchange(bench, Request::ConfigureNodeId { node_id })?;
         bench.check(expect_error(&format!("node-ID {node_id}"), ConfigureCommand::NodeId, &[1], answer))
     })?;
-    own_again(bench)
+    let own = bench.node().raw();
+    let answer = set_node_id(bench, own)?;
+    bench.check(expect_error("its own node-ID after those", ConfigureCommand::NodeId, &[0], answer))?;
+    wait(bench)
 }
 
 /// Replaces the pending node-ID by the current one before it can take effect.

@@ -1,13 +1,16 @@
 //! Inquiries (CiA 305, 6.5), and rules for all services.
 
-use super::dialogue::{address, breach, configure, exchange, expect, expect_silence, parts, shown, tell, wait};
+use super::dialogue::{
+    address, breach, configure, exchange, expect, expect_silence, node_ids, observed, parts, tell, wait,
+};
 use crate::bench::Bench;
 use crate::case;
-use crate::verdict::{Check, Judged, Reason, Stop, demand};
+use crate::cases::layer_setting::expect_dialogue;
+use crate::verdict::{Judged, Reason, Stop, demand};
 use canvass_analyzer::wire::Wire;
-use canvass_analyzer::wire::lss::{self, Bound, Part, Request, Response};
+use canvass_analyzer::wire::lss::{self, Bound, Lss, Part, Request, Response};
 use canvass_bus::observation::Observation;
-use canvass_traces::Frame;
+use canvass_traces::Timestamp;
 
 /// The slave answers inquiries in configuration, but not in waiting.
 #[case(id = "305/waiting/inquiries", clause = "CiA 305 6.5", confidence = Attested, level = Must,
@@ -73,7 +76,15 @@ fn inquiry_node_id(bench: &mut Bench<'_>) -> Judged {
     let own = bench.node().raw();
     let expected = Observation::Number(own.into());
     bench.check(expect("the inquiry of the node-ID", expected, answer, |answer| answer == Response::NodeId(own)))?;
-    wait(bench)
+    wait(bench)?;
+    // The tester has inquired before, to see whether the slave is in configuration.
+    let other = node_ids(bench, Timestamp::ZERO).into_iter().find(|node| *node != own);
+    bench.check(demand(other.is_none(), || {
+        let breach =
+            breach("each inquiry of the node-ID returns the same node-ID").expected(Observation::Number(own.into()));
+        breach.found(observed(other.map(Response::NodeId)))
+    }))?;
+    expect_dialogue::<Lss>(bench)
 }
 
 /// The slave does not answer command specifiers that CiA 305 does not define.
@@ -89,36 +100,31 @@ fn reserved_commands(bench: &mut Bench<'_>) -> Judged {
     wait(bench)
 }
 
-/// Every response of the slave has eight bytes, and unused bytes are 0.
+/// Every request is answered once, by a response of eight bytes with the unused bytes 0.
 #[case(id = "305/form", clause = "CiA 305", confidence = Unknown, level = Should,
        needs = [Lss, Alone], touches = [NodeId], catches = [LssShortResponse])]
 fn form(bench: &mut Bench<'_>) -> Judged {
     let address = address(bench)?;
-    bench.each(of_waiting(address), |bench, dialogue| {
-        bench.drain()?;
-        for request in &dialogue {
-            bench.send(&request.to_frame(lss::MASTER_CAN_ID))?;
-        }
-        let heard = bench.frames_of(lss::SLAVE_CAN_ID, bench.timing().silence)?;
-        bench.check(match (heard.first(), dialogue.last()) {
-            (Some(record), Some(last)) => expect_form(*last, &record.frame),
-            _ => Ok(()),
-        })?;
-        wait(bench)
-    })?;
-    configure(bench)?;
     let own = bench.node().raw();
-    let inquiries = Part::ALL.map(|part| Request::Inquire { part });
-    let others = [Request::InquireNodeId, Request::ConfigureNodeId { node_id: own }];
-    bench.each(inquiries.into_iter().chain(others), |bench, request| {
-        bench.drain()?;
-        bench.send(&request.to_frame(lss::MASTER_CAN_ID))?;
-        let frame = bench.wait_for(bench.timing().lss, |record| {
-            (record.frame.cob_id() == Some(lss::SLAVE_CAN_ID)).then_some(record.frame)
-        })?;
-        bench.check(frame.map_or(Ok(()), |frame| expect_form(request, &frame)))
-    })?;
-    wait(bench)
+    // A slave may change only every second response.
+    for _ in 0..2 {
+        for dialogue in of_waiting(address) {
+            bench.drain()?;
+            for request in &dialogue {
+                bench.send(&request.to_frame(lss::MASTER_CAN_ID))?;
+            }
+            bench.frames_of(lss::SLAVE_CAN_ID, bench.timing().silence)?;
+            wait(bench)?;
+        }
+        configure(bench)?;
+        let inquiries = Part::ALL.map(|part| Request::Inquire { part });
+        let others = [Request::InquireNodeId, Request::ConfigureNodeId { node_id: own }];
+        for request in inquiries.into_iter().chain(others) {
+            exchange(bench, request)?;
+        }
+        wait(bench)?;
+    }
+    expect_dialogue::<Lss>(bench)
 }
 
 /// The requests that a slave with this address answers in waiting: selection, and identification within bounds.
@@ -128,18 +134,6 @@ fn of_waiting(address: [u32; 4]) -> [Vec<Request>; 2] {
     let bounds = [vendor, product, revision, revision, serial, serial];
     let identified = Bound::ALL.into_iter().zip(bounds).map(|(bound, value)| Request::IdentifyRemote { bound, value });
     [selected.collect(), identified.collect()]
-}
-
-/// Requires the right form of an answer. Other cases judge which services a slave answers.
-fn expect_form(request: Request, frame: &Frame) -> Check {
-    let response = Response::read(frame.data()).ok();
-    let is_clean =
-        response.is_some_and(|response| response.to_frame(lss::SLAVE_CAN_ID) == *frame && !response.says_too_much());
-    demand(is_clean, || {
-        let breach = breach(format!("the response to \"{request}\" has eight bytes, and unused bytes are 0"));
-        let breach = breach.expected("eight bytes, the unused ones 0").found(Observation::Frame(*frame));
-        breach.told(format!("{frame}: {}", shown(response)))
-    })
 }
 
 /// The case only records whether the slave answers an LSS request with fewer than eight bytes. LSS messages have eight

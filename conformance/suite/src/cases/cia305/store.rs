@@ -4,8 +4,9 @@ use super::dialogue::{configure, exchange, expect_error, expect_plain, set_node_
 use super::node_id::{boots, started_elsewhere, vacant};
 use crate::bench::Bench;
 use crate::case;
+use crate::cases::layer_setting::expect_dialogue;
 use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
-use canvass_analyzer::wire::lss::{ConfigureCommand, Request, Response};
+use canvass_analyzer::wire::lss::{ConfigureCommand, Lss, Request, Response};
 use canvass_analyzer::wire::nmt::Command;
 
 /// Stores the node-ID; makes the case not applicable if the device does not store.
@@ -33,6 +34,7 @@ fn persists(bench: &mut Bench<'_>) -> Judged {
     if let Err(stop) = store(bench) {
         set_node_id(bench, own)?;
         wait(bench)?;
+        expect_dialogue::<Lss>(bench)?;
         return Err(stop);
     }
     wait(bench)?;
@@ -50,7 +52,8 @@ fn persists(bench: &mut Bench<'_>) -> Judged {
         store(bench)?;
         wait(bench)?;
         bench.command_all(Command::RESET_NODE)?;
-        boots(bench, own).map(|_| ())
+        boots(bench, own)?;
+        expect_dialogue::<Lss>(bench)
     })
 }
 

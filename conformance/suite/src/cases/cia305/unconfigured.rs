@@ -1,17 +1,18 @@
 //! Slaves without node-ID: how a slave loses its node-ID, and how it then behaves.
 
 use super::dialogue::{
-    address, breach, configure, exchange, expect, expect_configuration, node_id, observed, set_node_id, shown, tell,
-    wait,
+    address, breach, configure, exchange, expect, expect_configuration, node_id, node_ids, observed, set_node_id,
+    shown, tell, wait,
 };
 use super::node_id::{RESTART, back_to_own, started_elsewhere};
 use crate::bench::{Bench, is_from};
 use crate::case;
+use crate::cases::layer_setting::expect_dialogue;
 use crate::verdict::{Judged, Reason, Stop, demand};
 use canvass_analyzer::NodeId;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::error_control;
-use canvass_analyzer::wire::lss::{self, ConfigureCommand, Request, Response};
+use canvass_analyzer::wire::lss::{self, ConfigureCommand, Lss, Request, Response};
 use canvass_analyzer::wire::nmt::Command;
 use canvass_bus::observation::Observation;
 use canvass_traces::{Duration, Record};
@@ -91,11 +92,15 @@ fn silent(bench: &mut Bench<'_>) -> Judged {
        needs = [Lss, Alone], touches = [NodeId], catches = [LssIdentifyUnanswered])]
 fn identify(bench: &mut Bench<'_>) -> Judged {
     unconfigured(bench, |bench, _| {
-        let answer = exchange(bench, Request::IdentifyNonConfigured)?;
-        let expected = observed(Some(Response::NonConfigured));
-        bench.check(expect("the search for slaves without node-ID", expected, answer, |answer| {
-            answer == Response::NonConfigured
-        }))
+        // The first search has already shown that the device has no node-ID.
+        for _ in 0..2 {
+            let answer = exchange(bench, Request::IdentifyNonConfigured)?;
+            let expected = observed(Some(Response::NonConfigured));
+            bench.check(expect("the search for slaves without node-ID", expected, answer, |answer| {
+                answer == Response::NonConfigured
+            }))?;
+        }
+        expect_dialogue::<Lss>(bench)
     })
 }
 
@@ -148,12 +153,16 @@ fn told_again(bench: &mut Bench<'_>) -> Judged {
        needs = [Lss, LssInquiry, Alone], touches = [NodeId], catches = [LssNodeIdInquiredWrong])]
 fn inquiry(bench: &mut Bench<'_>) -> Judged {
     unconfigured(bench, |bench, _| {
+        let begun = bench.now();
         configure(bench)?;
         let given = exchange(bench, Request::InquireNodeId)?;
         wait(bench)?;
-        bench.check(demand(given == Some(Response::NodeId(NONE)), || {
+        let other = node_ids(bench, begun).into_iter().find(|node| *node != NONE).map(Response::NodeId);
+        let is_right = given == Some(Response::NodeId(NONE)) && other.is_none();
+        bench.check(demand(is_right, || {
             let breach = breach("a device without node-ID says so").expected(Observation::Number(NONE.into()));
-            breach.found(observed(given)).told(shown(given))
+            let found = other.or(given);
+            breach.found(observed(found)).told(shown(found))
         }))
     })
 }

@@ -33,7 +33,10 @@ fn invalid_node_id(bench: &mut Bench<'_>) -> Judged {
                 error != 0
             }))
         })?;
-        configure_own(bench)
+        let node_id = bench.node().raw();
+        let response = exchange(bench, Request::ConfigureNodeId { node_id })?;
+        let duty = "its own node-ID is accepted after those";
+        bench.check(expect_error(duty, "error code 0", ConfigureCommand::NodeId, response, |error| error == 0))
     })
 }
 

@@ -1,10 +1,12 @@
 //! The identity of the slave: inquiries, and identify remote slave.
 
+use super::configuration::configure_own;
 use super::dialogue::{address, breach, exchange, in_configuration, inquire, observed, other, shown, tell};
 use crate::bench::Bench;
 use crate::case;
+use crate::cases::layer_setting::expect_dialogue;
 use crate::verdict::{Judged, Stop, demand};
-use canvass_analyzer::wire::lmt::{Bound, Part, Request, Response, Seven};
+use canvass_analyzer::wire::lmt::{Bound, Lmt, Part, Request, Response, Seven};
 use canvass_bus::client::sdo::Bytes;
 use canvass_bus::observation::Observation;
 
@@ -88,4 +90,30 @@ fn identify_other(bench: &mut Bench<'_>) -> Judged {
             breach.expected(Observation::Silence).found(observed(answer)).told(shown(answer))
         }))
     })
+}
+
+/// Every request is answered once, by a response of eight bytes with the unused bytes 0.
+#[case(id = "205/form", clause = "CiA DS-205", confidence = Unknown, level = Should,
+       needs = [Alone, Lmt], touches = [NodeId], catches = [LmtShortResponse])]
+fn form(bench: &mut Bench<'_>) -> Judged {
+    // A slave may change only every second response.
+    for _ in 0..2 {
+        in_configuration(bench, |bench| {
+            for part in Part::ALL {
+                exchange(bench, Request::Inquire { part })?;
+            }
+            configure_own(bench)
+        })?;
+    }
+    let identified = identified_twice(bench);
+    expect_dialogue::<Lmt>(bench)?;
+    identified
+}
+
+fn identified_twice(bench: &mut Bench<'_>) -> Judged {
+    let [manufacturer, product, serial] = address(bench)?;
+    for _ in 0..2 {
+        identify(bench, [manufacturer, product], serial, serial, true)?;
+    }
+    Ok(())
 }

@@ -221,9 +221,8 @@ impl Machine for Filter {
     fn handle(&mut self, now: Timestamp, frame: &Frame) {
         let node = self.node();
         self.recognition.heard(frame, node);
-        let is_reset =
-            frame.cob_id() == Some(nmt::CAN_ID) && Nmt::read(frame.data()).is_ok_and(|nmt| nmt.command.is_reset());
-        if is_reset {
+        let concerns = |nmt: Nmt| nmt.command.is_reset() && (nmt.node == 0 || u16::from(nmt.node) == node);
+        if frame.cob_id() == Some(nmt::CAN_ID) && Nmt::read(frame.data()).is_ok_and(concerns) {
             self.held.clear();
             self.history.was_reset = true;
         }

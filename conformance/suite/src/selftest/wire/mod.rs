@@ -18,19 +18,24 @@ use super::liberties::Dice;
 use super::{chapter, in_parallel, judge_machine, node_of};
 use crate::bench::{Knowledge, Target};
 use crate::case::Case;
-use crate::verdict::{Breach, Kind, Verdict};
+use crate::glob;
+use crate::verdict::{Allowed, Breach, Kind, Verdict};
 use canvass_analyzer::Service;
+use canvass_analyzer::wire::Fields;
+use canvass_analyzer::wire::error_control::ErrorControl;
 use canvass_analyzer::wire::layer_setting::Protocol;
 use canvass_bus::Machine;
-use canvass_bus::observation::Subject;
+use canvass_bus::observation::{Observation, Subject};
 use canvass_device::models::Model;
 use canvass_device::{Device, Firmware};
 use open::Open;
 use std::sync::{Arc, PoisonError};
 
 /// The mutants that run.
-#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+#[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Sample {
+    /// Patterns of the ids of the mutants to draw from; no pattern means all mutants.
+    pub only: Vec<String>,
     /// The seed of the draw: equal seeds draw equal mutants.
     pub seed: u64,
     /// Number of mutants; `None` means all.
@@ -126,7 +131,7 @@ impl Counts {
 ///
 /// # Errors
 /// The error of the reviewed list if it can't be read.
-pub fn run(cases: &[&'static Case], models: &'static [Model], sample: Sample) -> Result<WireMatrix, toml::de::Error> {
+pub fn run(cases: &[&'static Case], models: &'static [Model], sample: &Sample) -> Result<WireMatrix, toml::de::Error> {
     let open = Open::read()?;
     let primitives: Arc<[Primitive]> = Primitive::all().into();
     let stages: Vec<&'static Model> = models.iter().collect();
@@ -134,10 +139,14 @@ pub fn run(cases: &[&'static Case], models: &'static [Model], sample: Sample) ->
     let place_of = |mutant: &Mutant| {
         primitives.iter().position(|known| known.is(mutant.primitive.service, mutant.primitive.layout))
     };
+    let boot_up = ErrorControl::BOOT_UP.layout();
+    let boot_up = primitives.iter().position(|known| known.is(Service::Heartbeat, boot_up));
     let best = |place: usize| {
-        // Of equal models the first.
-        let by_reach = stages.iter().rev().max_by_key(|stage| stage.cases_with(place).count());
-        by_reach.filter(|stage| stage.cases_with(place).next().is_some())
+        let senders = stages.iter().filter(|stage| stage.cases_with(place).next().is_some());
+        // A device without boot-up message (DS-301 V3.0) leaves open what it owes after a start. Of equal models the
+        // first.
+        let starts = |stage: &Stage| boot_up.is_some_and(|boot_up| stage.cases_with(boot_up).next().is_some());
+        senders.rev().max_by_key(|stage| (starts(stage), stage.cases_with(place).count()))
     };
     let chosen = drawn(Mutant::all(&primitives), sample);
     let rows = in_parallel(&chosen, |mutant| {
@@ -155,9 +164,13 @@ pub fn run(cases: &[&'static Case], models: &'static [Model], sample: Sample) ->
 }
 
 /// A sample of the mutants, in their order.
-fn drawn(mutants: Vec<Mutant>, Sample { seed, count }: Sample) -> Vec<Mutant> {
-    let Some(count) = count else { return mutants };
-    let mut dice = Dice::new(seed);
+fn drawn(mut mutants: Vec<Mutant>, sample: &Sample) -> Vec<Mutant> {
+    mutants.retain(|mutant| {
+        let id = mutant.to_string();
+        sample.only.is_empty() || sample.only.iter().any(|pattern| glob::matches(pattern, &id))
+    });
+    let Some(count) = sample.count else { return mutants };
+    let mut dice = Dice::new(sample.seed);
     let mut numbered: Vec<(u64, usize)> = (0..mutants.len()).map(|at| (dice.next(), at)).collect();
     numbered.sort_unstable();
     numbered.truncate(count);
@@ -257,7 +270,8 @@ fn names(case: &'static Case, breach: &Breach, service: Service) -> bool {
             let services = [Service::BootUp, Service::Heartbeat, Service::Guarding, Service::Nmt];
             services.into_iter().any(of) || chapter(case) == "network management"
         }
-        Service::Emcy => of(Service::Emcy) || chapter(case) == "emergencies",
+        // A case of another service may be about its EMCY.
+        Service::Emcy => of(Service::Emcy) || chapter(case) == "emergencies" || expects_emcy(breach),
         Service::Pdo => matches!(breach.subject, Subject::Pdo { .. }) || chapter(case) == "process data",
         Service::Sync => of(Service::Sync) || case.family() == "301/sync",
         Service::Time => of(Service::Time) || case.family() == "301/time",
@@ -265,4 +279,9 @@ fn names(case: &'static Case, breach: &Breach, service: Service) -> bool {
         Service::Lmt => of(Service::Lmt) || chapter(case) == "205",
         other => of(other),
     }
+}
+
+fn expects_emcy(breach: &Breach) -> bool {
+    let is_emcy = |observation: &Observation| matches!(observation, Observation::Emcy(_));
+    matches!(&breach.allowed, Allowed::OneOf(allowed) if allowed.iter().any(is_emcy))
 }

@@ -7,6 +7,7 @@ use crate::verdict::{Breach, Check, Judged, demand, observed, tried};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
+use canvass_analyzer::wire::nmt::Command;
 use canvass_analyzer::wire::sdo::{Payload, Request, Response};
 use canvass_bus::client::Outcome;
 use canvass_bus::client::sdo::Bytes;
@@ -22,7 +23,8 @@ const SHORT: [(Multiplexer, usize); 4] = [
 ];
 
 /// Objects of up to four bytes are read in one response. Its command byte gives the number of valid bytes (4Fh, 4Bh,
-/// 47h or 43h), or leaves the number to the data type of the object (42h).
+/// 47h or 43h), or leaves the number to the data type of the object (42h). Each response belongs to the request before
+/// it, also in the preparation of the case and right after a start.
 #[case(id = "301/sdo/upload/expedited", clause = "CiA 301 7.2.4.3.6", confidence = Cited, level = Must,
        catches = [SdoShortResponse], cct = "2.1")]
 fn upload(bench: &mut Bench<'_>) -> Judged {
@@ -44,7 +46,30 @@ fn upload(bench: &mut Bench<'_>) -> Judged {
     let scratches = bench.scratch_objects()?;
     bench
         .each(scratches, |bench, scratch| bench.upload(scratch.multiplexer)?.value().map(|_| ()).map_err(Into::into))?;
-    bench.expect_tidy()
+    // An object of one byte, and one of four.
+    bench.each([SHORT[2], SHORT[0]], first_after_start)?;
+    bench.expect_tidy()?;
+    bench.expect_dialogue()
+}
+
+/// Requires that the first answer after a start is that of any other time.
+fn first_after_start(bench: &mut Bench<'_>, (multiplexer, length): (Multiplexer, usize)) -> Judged {
+    let Outcome::Uploaded(usual) = bench.upload(multiplexer)?.outcome else { return Ok(()) };
+    bench.reset(Command::RESET_NODE)?;
+    let attempt = bench.upload(multiplexer)?.under("after a start");
+    if attempt.is_silent() && !bench.answers()? {
+        // A device that stops itself when it starts serves no SDO.
+        return Ok(());
+    }
+    let first = attempt.responses.first().copied();
+    bench.check(is_expedited(multiplexer, &attempt.outcome, first, length))?;
+    let Outcome::Uploaded(value) = attempt.outcome else { return Ok(()) };
+    // A response without length has other bytes, too.
+    bench.check(demand(value.get(..length) == usual.get(..length), || {
+        let breach =
+            Breach::new(multiplexer, format!("the first upload of {multiplexer} after a start gives its value"));
+        breach.expected(Observation::Value(usual)).found(Observation::Value(value))
+    }))
 }
 
 fn is_expedited(multiplexer: Multiplexer, outcome: &Outcome, first: Option<Frame>, length: usize) -> Check {

@@ -5,6 +5,8 @@ use crate::bench::Bench;
 use crate::case;
 use crate::situation::Situation;
 use crate::verdict::{Judged, Precondition, Reason, Stop};
+use canvass_analyzer::Multiplexer;
+use canvass_analyzer::object;
 use canvass_analyzer::wire::sdo::{AbortCode, Request};
 
 /// A segmented upload returns the announced number of bytes, and its toggle bits alternate beginning with 0. A string
@@ -12,11 +14,17 @@ use canvass_analyzer::wire::sdo::{AbortCode, Request};
 #[case(id = "301/sdo/upload/segmented", clause = "CiA 301 7.2.4.3.7", confidence = Cited, level = Must,
        needs = [SegmentedUpload], catches = [SdoSegmentLengthWrong, SdoShortResponse, SdoUploadToggleStuck, SdoUploadEndMissing, SdoAnnouncedSizeWrong], cct = "2.16")]
 fn segmented(bench: &mut Bench<'_>) -> Judged {
+    // The first segmented upload of the case, before the tester looks for long objects.
+    let name = Multiplexer::new(object::MANUFACTURER_DEVICE_NAME, 0);
+    let first = bench.upload(name)?.value().ok();
     let objects = bench.long_objects(5, 8)?;
     bench.each(objects, |bench, multiplexer| {
         let value = bench.upload(multiplexer)?.value()?;
         bench.expect_value(multiplexer, &value, format!("{multiplexer} returns the same value again"))
     })?;
+    if let Some(first) = first {
+        bench.expect_value(name, &first, format!("{name} returns the same value as at first"))?;
+    }
     bench.expect_tidy()
 }
 
