@@ -337,9 +337,9 @@ fn a_chronic_fault_is_not_the_effect_of_a_loss() {
 #[test]
 fn a_chronic_fault_that_begins_in_a_loss_is_not_its_effect() {
     let mut traffic = Traffic::default();
-    traffic.every(10, 4_000_000, 1_000, |_| "701#05".to_owned()).every(20, 4_000_000, 1_000, |_| "702#05".to_owned());
+    traffic.every(10, 3_989_000, 1_000, |_| "701#05".to_owned()).every(20, 3_989_000, 1_000, |_| "702#05".to_owned());
     traffic.silence(0x702, 13_000, 613_000);
-    for start in (14_000..3_990_000).step_by(15_000) {
+    for start in (14_000..3_980_000).step_by(15_000) {
         traffic.every(start + 30, start + 9_000, 1_000, |_| "703#05".to_owned());
         traffic.every(start + 9_030, start + 15_000, 1_000, |_| "703#7F".to_owned()).at(start + 14_500, "000#0103");
     }
