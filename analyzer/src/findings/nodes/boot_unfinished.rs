@@ -87,7 +87,7 @@ impl Boot {
         match (transfer.direction, object.index.0) {
             (Direction::Upload, object::DEVICE_TYPE) => self.device_type = true,
             (Direction::Upload, object::IDENTITY) => {
-                self.identity |= 1_u8.checked_shl(object.sub.0.into()).unwrap_or(0)
+                self.identity |= 1_u8.checked_shl(object.sub.0.into()).unwrap_or(0);
             }
             (Direction::Download, index) => {
                 self.written += 1;
