@@ -2,6 +2,7 @@
 //!
 //! - [`answers`]: the table of allowed answers;
 //! - [`catalogue_page`]: all cases, as a page;
+//! - [`codes`]: the meaning of error codes and abort codes;
 //! - [`comparison`]: the changes between two results of a conformance run;
 //! - [`conformance`]: the reports of a conformance run;
 //! - [`decode`]: frames, one line or one JSON object each;
@@ -25,6 +26,7 @@
 pub mod answers;
 pub mod ascii;
 pub mod catalogue_page;
+pub mod codes;
 mod color;
 pub mod comparison;
 pub mod conformance;

@@ -1,4 +1,4 @@
-//! `canvass explain`: one case, situation, fault, liberty, rule, property, model or format in full.
+//! `canvass explain`: one case, situation, fault, liberty, rule, property, model, format, error code or abort code in full.
 
 use crate::output::print;
 use crate::status::{Failure, Status};
@@ -8,6 +8,7 @@ use canvass_analyzer::findings;
 use canvass_device::models::Model;
 use canvass_device::{Fault, Liberty};
 use canvass_reports::answers;
+use canvass_reports::codes;
 use canvass_reports::descriptions;
 use canvass_reports::diagnosis;
 use canvass_reports::escape::Printable;
@@ -18,11 +19,14 @@ use canvass_suite::situation::Situation;
 use canvass_traces::Format;
 use std::fmt::Write;
 
-/// Explain a case, a situation, a fault, a liberty, a rule, a property, a model or a capture format in full
+/// Explain a case, a situation, a fault, a liberty, a rule, a property, a model, a capture format or a code in full
 #[derive(clap::Args)]
 pub struct Args {
-    /// The id, as `canvass list` shows it
+    /// The id, as `canvass list` shows it; an error code of EMCY (8140h); or an SDO abort code ("0604 0041h")
     id: String,
+    /// Device profile of the node with the error code, such as 402
+    #[arg(long, value_name = "NUMBER")]
+    profile: Option<u16>,
 }
 
 impl Args {
@@ -38,10 +42,12 @@ impl Args {
             .or_else(|| id.parse().ok().map(properties::explain))
             .or_else(|| Model::by_id(id).map(model))
             .or_else(|| Format::by_id(id).map(format))
+            .or_else(|| codes::explain(id, self.profile))
             .ok_or_else(|| {
                 anyhow!(
                     "nothing has the id \"{id}\": `canvass list \
-                     cases|situations|models|faults|liberties|rules|eds-rules|properties|formats` lists all"
+                     cases|situations|models|faults|liberties|rules|eds-rules|properties|formats` lists all; codes have \
+                     four or eight hexadecimal digits (8140h, \"0604 0041h\")"
                 )
             })?;
         print(&Printable::document(&text))?;

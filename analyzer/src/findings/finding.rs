@@ -1,6 +1,7 @@
 //! A problem that a rule found.
 
 use super::effect::Rank;
+use super::occurrences::Occurrences;
 use super::rule::Metadata;
 use crate::statistics::CaseName;
 use crate::{Multiplexer, NodeId};
@@ -63,6 +64,8 @@ pub struct Finding {
     pub object: Option<Multiplexer>,
     /// Begin and end of the first occurrences, at most [`Finding::WINDOWS`].
     pub windows: Vec<(Timestamp, Timestamp)>,
+    /// All occurrences, near ones together.
+    pub occurrences: Occurrences,
     /// The node that causes the finding, if it is not the concerned node.
     pub origin: Option<NodeId>,
     /// Number of occurrences.

@@ -75,12 +75,8 @@ mod tests {
                 Make::Capture(make) => drop(make(&Thresholds::default())),
                 Make::Nothing => {}
             }
-            assert_eq!(
-                is_of_profile(rule.metadata.id),
-                rule.metadata.id.starts_with("encoder/"),
-                "{}",
-                rule.metadata.id
-            );
+            let of_profile = ["encoder/", "drive/"].iter().any(|family| rule.metadata.id.starts_with(family));
+            assert_eq!(is_of_profile(rule.metadata.id), of_profile, "{}", rule.metadata.id);
         }
     }
 }

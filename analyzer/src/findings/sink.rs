@@ -3,6 +3,7 @@
 use super::context::Scene;
 use super::effect::Rank;
 use super::finding::{Exhibit, Finding, Severity};
+use super::occurrences::Occurrences;
 use super::rule::Metadata;
 use super::seen::Evidence;
 use crate::network::Bus;
@@ -55,6 +56,7 @@ pub struct Report<'e> {
     detail: u64,
     measure: u64,
     severity: Option<Severity>,
+    lowers: bool,
     rank: Option<Rank>,
     source: Option<usize>,
     place: Option<(Timestamp, Place)>,
@@ -75,6 +77,7 @@ impl<'e> Report<'e> {
             detail: 0,
             measure: 0,
             severity: None,
+            lowers: false,
             rank: None,
             source: None,
             place: None,
@@ -121,6 +124,11 @@ impl<'e> Report<'e> {
     /// Sets a severity lower than the severity of the rule.
     pub const fn severity(self, severity: Severity) -> Self {
         Self { severity: Some(severity), ..self }
+    }
+
+    /// Sets the severity of a reported finding, also if it was higher so far.
+    pub const fn lower_to(self, severity: Severity) -> Self {
+        Self { severity: Some(severity), lowers: true, ..self }
     }
 
     /// Sets a rank higher than the rank of the rule.
@@ -197,11 +205,16 @@ impl<'a> Sink<'a> {
         };
         finding.count += report.times;
         finding.last = finding.last.max(report.time);
-        if finding.windows.len() < Finding::WINDOWS && report.times > 0 {
-            finding.windows.push((report.time, report.until.unwrap_or(report.time)));
+        if report.times > 0 {
+            let window = (report.time, report.until.unwrap_or(report.time));
+            finding.occurrences.add(window.0, window.1);
+            if finding.windows.len() < Finding::WINDOWS {
+                finding.windows.push(window);
+            }
         }
         finding.rank = finding.rank.min(report.rank.unwrap_or(self.rule.rank));
-        finding.severity = finding.severity.max(report.severity.unwrap_or(self.rule.severity));
+        let severity = report.severity.unwrap_or(self.rule.severity);
+        finding.severity = if report.lowers { severity } else { finding.severity.max(severity) };
         if report.measure > *worst || report.times == 0 {
             *worst = report.measure.max(*worst);
             finding.message = message();
@@ -225,6 +238,9 @@ impl<'a> Sink<'a> {
             return;
         }
         *of_rule += 1;
+        let window = (report.time, report.until.unwrap_or(report.time));
+        let mut occurrences = Occurrences::default();
+        occurrences.add(window.0, window.1);
         let finding = Finding {
             rule: self.rule,
             severity: report.severity.unwrap_or(self.rule.severity),
@@ -234,7 +250,8 @@ impl<'a> Sink<'a> {
             source: report.source,
             first: report.time,
             last: report.time,
-            windows: vec![(report.time, report.until.unwrap_or(report.time))],
+            windows: vec![window],
+            occurrences,
             origin: report.origin,
             kind: report.kind,
             object: report.object,

@@ -1,8 +1,9 @@
-//! EMCY messages as text: the meaning by CiA 301, then the meaning in the device's manual or profile.
+//! EMCY messages as text: the meaning of the code in the device's profile, otherwise in CiA 301; then the meaning in its
+//! manual.
 
 use super::escaped::Escaped;
 use crate::NodeId;
-use crate::dictionary::names;
+use crate::dictionary::names::error_name;
 use crate::network::Bus;
 use crate::wire::emcy::Emcy;
 use std::fmt;
@@ -11,7 +12,9 @@ use std::fmt;
 /// synchronisation failure`.
 pub struct EmcyText<'a> {
     emcy: &'a Emcy,
-    /// The meaning in the device's manual or profile.
+    /// The device's profile, if known.
+    profile: Option<u16>,
+    /// The meaning in the device's manual.
     known: Option<&'a str>,
 }
 
@@ -21,15 +24,24 @@ impl<'a> EmcyText<'a> {
         let known = bus.node(node);
         let device = known.and_then(|node| node.device.as_deref());
         let by_manual = device.and_then(|device| device.manual.emergency(emcy)).map(|known| &*known.text);
-        let by_profile = || names::known_profile(known?.profile(node)?)?.emergency(emcy.code()?);
-        Self { emcy, known: by_manual.or_else(by_profile) }
+        Self { emcy, profile: known.and_then(|known| known.profile(node)), known: by_manual }
+    }
+
+    /// The meaning of the code in the device's profile.
+    fn by_profile(&self) -> Option<&'static str> {
+        error_name(self.emcy.code()?, self.profile?)
     }
 }
 
 impl fmt::Display for EmcyText<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.emcy.fmt(f)?;
-        let name = self.emcy.code().and_then(|code| code.name()).unwrap_or_default();
+        let by_profile = self.by_profile();
+        match by_profile {
+            Some(name) => self.emcy.write_named(name, f)?,
+            None => self.emcy.fmt(f)?,
+        }
+        let standard = || self.emcy.code().and_then(|code| code.name());
+        let name = by_profile.or_else(standard).unwrap_or_default();
         // Many manuals repeat the standard's text.
         match self.known.filter(|known| !name.to_lowercase().starts_with(&known.to_lowercase())) {
             Some(known) => write!(f, ": {}", Escaped(known)),

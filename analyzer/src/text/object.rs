@@ -2,7 +2,7 @@
 
 use super::escaped::Escaped;
 use super::value::ValueText;
-use crate::dictionary::names::{ObjectName, bit_names, object_name, unit};
+use crate::dictionary::names::{ObjectName, bit_names, meaning, object_name, unit};
 use crate::dictionary::{Annotation, DataType, Entry, Object as DescribedObject, Unit};
 use crate::network::Node;
 use crate::{Multiplexer, NodeId};
@@ -48,6 +48,11 @@ impl<'a> Object<'a> {
         self.annotation.and_then(|annotation| annotation.choice(raw))
     }
 
+    /// The meaning of a whole value in the device's profile.
+    pub fn meaning(&self, value: i64) -> Option<&'static str> {
+        meaning(self.multiplexer, value, self.profile)
+    }
+
     /// The unit of the object in the description or the standard.
     pub fn unit(&self) -> Option<Cow<'a, Unit>> {
         let annotated = self.annotation.and_then(|annotation| annotation.unit.as_ref());
@@ -70,7 +75,7 @@ impl<'a> Object<'a> {
             match annotation.and_then(|annotation| annotation.bit(bit)) {
                 Some(name) if set => Some(&*name.name),
                 Some(name) => name.clear.as_deref(),
-                None if set => of_standard.get(usize::from(bit)).copied(),
+                None if set => of_standard.get(usize::from(bit)).copied().filter(|name| !name.is_empty()),
                 None => None,
             }
         })

@@ -28,14 +28,14 @@ impl ValueText<'_> {
             return write!(f, "\"{text}\"");
         }
         hexadecimal(raw, self.bytes.len(), f)?;
-        self.bits(raw, f)
+        self.bits(raw, self.object.meaning(raw as i64), f)
     }
 
-    /// The names of the set bits, and of clear bits whose clear state has a name.
-    fn bits(&self, raw: u64, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    /// The meaning of the whole value, the names of the set bits, and of clear bits whose clear state has a name.
+    fn bits(&self, raw: u64, meaning: Option<&str>, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let bits = 8 * self.bytes.len().min(8) as u8;
         let mut first = true;
-        for name in self.object.bits(raw, bits) {
+        for name in meaning.into_iter().chain(self.object.bits(raw, bits)) {
             write!(f, "{}{}", if first { " (" } else { ", " }, Escaped(name))?;
             first = false;
         }
@@ -43,7 +43,13 @@ impl ValueText<'_> {
     }
 
     fn integer(&self, value: i64, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        self.physical(value as f64, f).unwrap_or_else(|| write!(f, "{value}"))
+        if let Some(done) = self.physical(value as f64, f) {
+            return done;
+        }
+        match self.object.meaning(value) {
+            Some(name) => write!(f, "{value} ({name})"),
+            None => write!(f, "{value}"),
+        }
     }
 
     /// The value in its unit, and in the unit that the device's configuration determines; `None` if it has neither.

@@ -57,6 +57,26 @@ impl Emcy {
         if self.len >= 3 { Some(ErrorRegister(self.bytes[2])) } else { None }
     }
 
+    /// Writes the message with another name of its code than that of CiA 301.
+    ///
+    /// # Errors
+    /// If the formatter fails.
+    pub fn write_named(&self, name: &str, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{:04X}h {name}", self.code().unwrap_or(EmcyCode(0)).0)?;
+        self.write_rest(f)
+    }
+
+    /// Writes what follows the code.
+    fn write_rest(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(register) = self.register() {
+            write!(f, ", register {register}")?;
+        }
+        match self.manufacturer() {
+            [] => Ok(()),
+            bytes => write!(f, ", data {}", hex::spaced(bytes)),
+        }
+    }
+
     /// The manufacturer-specific bytes, as far as the message has them.
     pub fn manufacturer(&self) -> &[u8] {
         self.bytes.get(3..usize::from(self.len)).unwrap_or(&[])
@@ -249,13 +269,7 @@ impl fmt::Display for Emcy {
             };
         };
         write!(f, "{code}")?;
-        if let Some(register) = self.register() {
-            write!(f, ", register {register}")?;
-        }
-        match self.manufacturer() {
-            [] => Ok(()),
-            bytes => write!(f, ", data {}", hex::spaced(bytes)),
-        }
+        self.write_rest(f)
     }
 }
 

@@ -6,9 +6,13 @@ mod accused;
 #[cfg(test)]
 mod block;
 #[cfg(test)]
+mod boot;
+#[cfg(test)]
 mod bus;
 #[cfg(test)]
 mod capture;
+#[cfg(test)]
+mod drive;
 #[cfg(test)]
 mod emcy_lss;
 #[cfg(test)]

@@ -58,6 +58,21 @@ fn a_sync_producer_that_catches_up() {
     traffic.finds("pdo/sync-missing", None, 4_980);
 }
 
+/// As before, after a longer stall: everything that was missed is sent at once.
+#[test]
+fn a_long_gap_is_not_hidden_by_catching_up() {
+    for missed in [30, 60, 100] {
+        let mut traffic = beats(12);
+        let end = 5_000 + missed * 20;
+        traffic.every(0, 12_000, 20, |_| "080#".to_owned()).silence(0x080, 5_000, end);
+        for n in 0..missed {
+            traffic.micros((end - 10) * 1_000 + n * 500, "080#");
+        }
+        let found = traffic.finds("pdo/sync-missing", None, 4_980);
+        assert_eq!(found.count, 1, "{missed}");
+    }
+}
+
 /// All nodes are silent while errors flood the bus.
 #[test]
 fn a_flood_of_errors_is_the_physical_layer() {

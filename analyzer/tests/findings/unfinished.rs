@@ -61,6 +61,7 @@ fn a_transfer_that_is_left_open() {
     traffic.every(500, 9_000, 500, |_| "704#05".to_owned());
     let found = traffic.finds("sdo/unfinished", Some(4), 0);
     assert!(found.message.contains("7 of 20 bytes read: nothing follows for 8.4"), "{}", found.message);
+    assert_eq!(found.evidence.len(), 2);
     // A capture may end in the middle of a transfer.
     frames(&rows).only(&[]);
 }
@@ -78,7 +79,8 @@ fn a_block_upload_that_is_abandoned() {
         (5_001, "584#4B01400034120000"),
     ]);
     let found = traffic.finds("sdo/unfinished", Some(4), 0);
-    assert!(found.message.contains("of 21 bytes read"), "{}", found.message);
+    let text = "upload of 1008h:00 left with 0 of 21 bytes read and confirmed, 21 more in a block without confirmation";
+    assert!(found.message.starts_with(text), "{}", found.message);
 }
 
 /// A node that is reset in the middle of a transfer has not left it.
@@ -179,6 +181,51 @@ fn a_node_whose_pdos_go_on_is_not_stopped() {
     assert!(found.iter().any(|found| found.rule.id == "nodes/pdo-outside-operational"), "{found:#?}");
 }
 
+/// A master, which goes on, stops its slaves one after the other: the machine is switched off.
+#[test]
+fn a_machine_that_is_stopped_node_by_node() {
+    let mut traffic = Traffic::default();
+    traffic.every(31, 40_000, 100, |_| "701#05".to_owned());
+    for node in [2, 3, 4] {
+        let stop = 20_000 + 500 * node;
+        traffic.every(30 + node, stop, 100, |_| format!("70{node}#05")).at(stop, &format!("000#020{node}"));
+        traffic.every(stop + 30 + node, 40_000, 100, |_| format!("70{node}#04"));
+    }
+    traffic.only(&[]);
+    // Nodes 2 and 3 are stopped, and a second slave goes on.
+    let mut partly = traffic.clone();
+    partly.every(35, 40_000, 100, |_| "705#05".to_owned());
+    let found = partly.only(&["nodes/left-stopped"]);
+    assert_eq!(found.len(), 3, "{found:#?}");
+}
+
+/// Node 2 is stopped, is operational again by a command that the capture lacks, and is stopped again at the end.
+#[test]
+fn a_node_that_was_started_by_an_unseen_command_is_not_left() {
+    let mut traffic = stopped("000#0202", "04");
+    traffic.silence(0x702, 24_000, 38_000).every(24_032, 38_000, 100, |_| "702#05".to_owned());
+    let found = traffic.results().findings;
+    assert!(found.iter().all(|found| found.rule.id != "nodes/left-stopped"), "{found:#?}");
+}
+
+/// Node 2 leaves operational and comes back; only in one of the captures a command starts it.
+#[test]
+fn commands_that_the_capture_lacks() {
+    for seen in [false, true] {
+        let mut traffic = Traffic::default();
+        traffic.every(31, 40_000, 100, |_| "701#05".to_owned());
+        for (from, to, state) in [(32, 20_000, "05"), (20_032, 23_000, "7F"), (23_032, 40_000, "05")] {
+            traffic.every(from, to, 100, |_| format!("702#{state}"));
+        }
+        if seen {
+            traffic.at(23_000, "000#0102");
+        }
+        let found = traffic.finds("nodes/state-lost", Some(2), 20_032);
+        assert_eq!(found.severity, if seen { Severity::Error } else { Severity::Warning }, "{}", found.message);
+        assert_eq!(found.message.ends_with("commands may be missing in the capture"), !seen, "{}", found.message);
+    }
+}
+
 /// All nodes are stopped at the end: the machine is switched off.
 #[test]
 fn a_machine_that_is_stopped() {
@@ -213,6 +260,28 @@ fn a_slave_that_is_left_in_configuration() {
     assert_eq!(head(&results), ("lss/left-in-configuration", Some(3)), "{:#?}", results.stories);
     assert_eq!(results.stories.len(), 1, "{:#?}", results.findings.iter().map(shown).collect::<Vec<_>>());
     assert!(configured_by_lss(false).findings.is_empty());
+}
+
+/// Fastscan finds a slave, which is then in configuration, and is reset without being configured.
+#[test]
+fn a_slave_that_fastscan_leaves_in_configuration() {
+    for left in [true, false] {
+        let mut traffic = Traffic::default();
+        traffic.every(2, 60_000, 500, |_| "702#05".to_owned());
+        for (n, request) in
+            ["5100000000800000", "5113000000000001", "5124000000000102", "5135000000000203"].iter().enumerate()
+        {
+            traffic.at(20_000 + 20 * n as u64, &format!("7E5#{request}")).at(20_005 + 20 * n as u64, "7E4#4F");
+        }
+        traffic.at(20_080, "7E5#5146000000000300").at(20_085, "7E4#4F00000000000000");
+        if !left {
+            traffic.at(20_100, "7E5#0400000000000000");
+        }
+        traffic.remove(|_, frame| frame.id().as_standard() == Some(0x7E4) && frame.bytes().len() < 8);
+        let found = traffic.results().findings;
+        let is_left = found.iter().any(|found| found.rule.id == "lss/left-in-configuration");
+        assert_eq!(is_left, left, "{found:#?}");
+    }
 }
 
 /// A slave gets another node-ID, and its supply is switched: it is in waiting again.
@@ -262,6 +331,22 @@ fn a_chronic_fault_is_not_the_effect_of_a_loss() {
     let results = traffic.results();
     let heads: Vec<_> = results.stories.iter().map(|story| results.findings[story.head[0]].rule.id).collect();
     assert_eq!(heads, ["nodes/lost", "nodes/state-lost"]);
+}
+
+/// Node 2 is lost for ten minutes, in which node 3 leaves operational forty times; node 3 goes on with it for an hour.
+#[test]
+fn a_chronic_fault_that_begins_in_a_loss_is_not_its_effect() {
+    let mut traffic = Traffic::default();
+    traffic.every(10, 3_989_000, 1_000, |_| "701#05".to_owned()).every(20, 3_989_000, 1_000, |_| "702#05".to_owned());
+    traffic.silence(0x702, 13_000, 613_000);
+    for start in (14_000..3_980_000).step_by(15_000) {
+        traffic.every(start + 30, start + 9_000, 1_000, |_| "703#05".to_owned());
+        traffic.every(start + 9_030, start + 15_000, 1_000, |_| "703#7F".to_owned()).at(start + 14_500, "000#0103");
+    }
+    let results = traffic.results();
+    let heads: Vec<_> = results.stories.iter().map(|story| results.findings[story.head[0]].rule.id).collect();
+    let all: Vec<_> = results.findings.iter().map(shown).collect();
+    assert_eq!(heads, ["nodes/lost", "nodes/state-lost"], "{all:#?}");
 }
 
 /// A request was not answered long before a second device appears.

@@ -76,6 +76,11 @@ fn of_node(id: NodeId, node: &NodeStatistics, bus: &BusStatistics) -> Vec<String
     ]
 }
 
+/// The device profile of a node, if its device type (1000h) was read.
+pub fn profile(node: &NodeStatistics) -> Option<u16> {
+    node.identity.device_type.map(|device| device as u16)
+}
+
 /// The identity of a node, as far as it was read.
 pub fn who(node: &NodeStatistics) -> String {
     let identity = &node.identity;
@@ -86,7 +91,7 @@ pub fn who(node: &NodeStatistics) -> String {
     parts.extend(product.map(|product| format!("product {product:X}h")));
     parts.extend(serial.map(|serial| format!("serial {serial:X}h")));
     if parts.is_empty() {
-        parts.extend(identity.device_type.map(|device| format!("profile {}", device & 0xFFFF)));
+        parts.extend(profile(node).map(|profile| format!("profile {profile}")));
     }
     if !node.present {
         parts.push("never sent anything".to_owned());

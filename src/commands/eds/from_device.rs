@@ -19,8 +19,8 @@ use std::str::FromStr;
 
 /// Create a first description from a device; nothing is written to the device
 ///
-/// canvass reads every index by SDO. Objects that CiA 301, 302, 304 or 406 define get their names, types and access
-/// from the standard; those of other objects are guessed from the values read, and comments in the file say so.
+/// canvass reads every index by SDO. Objects that CiA 301, 302, 304, 402 or 406 define get their names, types and
+/// access from the standard; those of other objects are guessed from the values read, and comments in the file say so.
 /// Defaults are the values read. Reading all indexes takes some minutes on a live bus: --range reads fewer. If the
 /// bus or the device is lost, or on Ctrl-C, the objects read until then are written; the file says which are missing,
 /// and the exit status is not 0.

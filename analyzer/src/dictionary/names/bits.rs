@@ -1,6 +1,6 @@
 //! The names of the bits of registers, by the standards.
 
-use super::known_profile;
+use super::profile::logical_device;
 use crate::identity::Index;
 
 /// Bits 0 to 7 of 1001h, and of the error register in an EMCY.
@@ -15,18 +15,21 @@ const ERROR_REGISTER: &[&str] = &[
     "manufacturer specific",
 ];
 
-/// The names of an object's bits, from bit 0 on, as the standard defines them; empty for most objects.
+/// The names of an object's bits, from bit 0 on, as the standard defines them; empty for most objects. A bit without a
+/// name has an empty one.
 pub(crate) fn bit_names(index: Index, profile: Option<u16>) -> &'static [&'static str] {
     match (index.0, profile) {
         (0x1001, _) => ERROR_REGISTER,
-        (0x6000..=0x67FF, Some(number)) => known_profile(number).map_or(&[], |profile| profile.bits(index)),
+        (0x6000..=0x9FFF, Some(number)) => {
+            logical_device(index, number).map_or(&[], |device| device.profile.bits(device.object))
+        }
         _ => &[],
     }
 }
 
 /// The name of an object's bit, if the standard defines it; manufacturer-specific bits have none.
 pub fn bit_name(index: Index, bit: u8, profile: Option<u16>) -> Option<&'static str> {
-    bit_names(index, profile).get(usize::from(bit)).copied()
+    bit_names(index, profile).get(usize::from(bit)).copied().filter(|name| !name.is_empty())
 }
 
 #[cfg(test)]

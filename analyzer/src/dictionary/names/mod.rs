@@ -7,16 +7,21 @@ mod bits;
 mod cia301;
 mod cia302;
 mod clauses;
+mod error_codes;
 mod profile;
 mod units;
 
 pub use bits::bit_name;
 pub(crate) use bits::bit_names;
+pub(crate) use error_codes::find as find_error;
+pub use error_codes::{ErrorCodes, ErrorName, error_name, error_names};
 pub use profile::{
-    Configured, Profile, Registered, Role, acting, has_role, is_profile, known_profile, possible, profiles, with_role,
+    Configured, Profile, Registered, Role, acting, has_role, is_profile, known_profile, meaning, possible, profiles,
+    with_role,
 };
 pub use units::{Unit, unit};
 
+use profile::logical_device;
 use std::fmt;
 
 use super::data_type::DataType;
@@ -63,7 +68,10 @@ pub struct ObjectName {
     pub object: &'static StandardObject,
     /// The entry, if the standard defines that sub-index.
     pub entry: Option<&'static StandardEntry>,
+    /// The address; of the object of the first logical device that has the same meaning.
     address: Multiplexer,
+    /// A further logical device, from 2, with the profile's word for one.
+    device: Option<(&'static str, u16)>,
 }
 
 impl ObjectName {
@@ -85,10 +93,14 @@ impl fmt::Display for ObjectName {
         if let Some(number) = self.number() {
             write!(f, " {number}")?;
         }
-        let Some(entry) = self.entry.filter(|entry| !entry.name.is_empty()) else { return Ok(()) };
-        write!(f, ", {}", entry.name)?;
-        match self.entry_number() {
-            Some(number) => write!(f, " {number}"),
+        if let Some(entry) = self.entry.filter(|entry| !entry.name.is_empty()) {
+            write!(f, ", {}", entry.name)?;
+            if let Some(number) = self.entry_number() {
+                write!(f, " {number}")?;
+            }
+        }
+        match self.device {
+            Some((word, number)) => write!(f, " ({word} {number})"),
             None => Ok(()),
         }
     }
@@ -97,25 +109,43 @@ impl fmt::Display for ObjectName {
 /// The names of an address. `profile` is the device profile number of the device (the low word of 1000h); without it
 /// only the communication area has names.
 pub fn object_name(address: Multiplexer, profile: Option<u16>) -> Option<ObjectName> {
-    let object = standard_object(address.index, profile)?;
-    Some(ObjectName { object, entry: entry(object, address.sub), address })
+    let device = profile.and_then(|number| logical_device(address.index, number));
+    let address = device.map_or(address, |device| Multiplexer { index: device.object, ..address });
+    let object = in_table(table(address.index, profile), address.index)?;
+    let device = device.filter(|device| device.number > 1);
+    let device = device.map(|device| (device.profile.logical_device(), device.number));
+    Some(ObjectName { object, entry: entry(object, address.sub), address, device })
 }
 
 /// The object of a standard with this index.
 pub(crate) fn standard_object(index: Index, profile: Option<u16>) -> Option<&'static StandardObject> {
-    let table = in_area(index, profile);
-    let position = table.partition_point(|object| object.last < index.0);
-    table.get(position).filter(|object| object.first <= index.0)
+    let index = of_first_device(index, profile);
+    in_table(table(index, profile), index)
 }
 
 /// All objects of the standard that covers the index; empty if no standard does.
 pub(crate) fn in_area(index: Index, profile: Option<u16>) -> &'static [StandardObject] {
+    table(of_first_device(index, profile), profile)
+}
+
+/// The index of the object of the first logical device that has the same meaning.
+fn of_first_device(index: Index, profile: Option<u16>) -> Index {
+    profile.and_then(|number| logical_device(index, number)).map_or(index, |device| device.object)
+}
+
+/// All objects of the standard that covers an index of the first logical device.
+fn table(index: Index, profile: Option<u16>) -> &'static [StandardObject] {
     match (index.0, profile) {
         (0x1000..=0x1EFF, _) => cia301::OBJECTS,
         (0x1F00..=0x1FFF, _) => cia302::OBJECTS,
         (0x6000..=0x67FF, Some(number)) => profile::objects(number),
         _ => &[],
     }
+}
+
+fn in_table(table: &'static [StandardObject], index: Index) -> Option<&'static StandardObject> {
+    let position = table.partition_point(|object| object.last < index.0);
+    table.get(position).filter(|object| object.first <= index.0)
 }
 
 /// Whether CiA 301 defines a COB-ID at the address: of SYNC, TIME, EMCY, an SDO channel or a PDO.

@@ -20,7 +20,23 @@ pub trait Profile: Sync {
     /// The objects of the profile by rising index, from 6000h to 67FFh.
     fn objects(&self) -> &'static [StandardObject];
 
-    /// The names of an object's bits, from bit 0 on; empty if the profile does not define them.
+    /// Maximum number of logical devices with objects of their own: those of each further one are 800h higher.
+    fn logical_devices(&self) -> u16 {
+        1
+    }
+
+    /// The profile's word for a logical device.
+    fn logical_device(&self) -> &'static str {
+        "logical device"
+    }
+
+    /// The meaning of a whole value of an object of the first logical device, such as the name of a state.
+    fn meaning(&self, _: Multiplexer, _value: i64) -> Option<&'static str> {
+        None
+    }
+
+    /// The names of an object's bits, from bit 0 on; empty if the profile does not define them, and an empty name for a
+    /// bit that the meaning of the whole value includes.
     fn bits(&self, _: Index) -> &'static [&'static str] {
         &[]
     }
@@ -94,6 +110,7 @@ inventory::collect!(Registered);
 struct Known {
     number: u16,
     objects: &'static [StandardObject],
+    devices: u16,
     profile: &'static dyn Profile,
 }
 
@@ -101,7 +118,12 @@ struct Known {
 static PROFILES: LazyLock<Vec<Known>> = LazyLock::new(|| {
     let registered = inventory::iter::<Registered>.into_iter();
     let mut profiles: Vec<Known> = registered
-        .map(|&Registered(profile)| Known { number: profile.number(), objects: profile.objects(), profile })
+        .map(|&Registered(profile)| Known {
+            number: profile.number(),
+            objects: profile.objects(),
+            devices: profile.logical_devices(),
+            profile,
+        })
         .collect();
     profiles.sort_by_key(|known| known.number);
     debug_assert!(profiles.windows(2).all(|two| two[0].number != two[1].number), "two profiles of one number");
@@ -177,6 +199,33 @@ pub fn with_role(profile: &dyn Profile, role: Role) -> impl Iterator<Item = Inde
 /// The objects of the profile of that number.
 pub(super) fn objects(number: u16) -> &'static [StandardObject] {
     known(number).map_or(&[], |known| known.objects)
+}
+
+/// An object of a logical device.
+#[derive(Clone, Copy)]
+pub(super) struct LogicalDevice {
+    /// The object of the first logical device with the same meaning.
+    pub object: Index,
+    /// The number of the logical device, from 1.
+    pub number: u16,
+    /// The profile.
+    pub profile: &'static dyn Profile,
+}
+
+/// The logical device of an object in a profile: each has 800h indexes (CiA 301, 7.4.1). `None` if the profile is not
+/// registered, or has no such logical device.
+pub(super) fn logical_device(index: Index, number: u16) -> Option<LogicalDevice> {
+    let (offset, size) = (index.0.checked_sub(OBJECTS.0)?, OBJECTS.1 as u16);
+    let known = known(number)?;
+    let device = offset / size;
+    let object = Index(OBJECTS.0 + offset % size);
+    (device < known.devices).then_some(LogicalDevice { object, number: device + 1, profile: known.profile })
+}
+
+/// The meaning of a whole value of an object.
+pub fn meaning(at: Multiplexer, value: i64, number: Option<u16>) -> Option<&'static str> {
+    let device = logical_device(at.index, number?)?;
+    device.profile.meaning(Multiplexer { index: device.object, ..at }, value)
 }
 
 fn known(number: u16) -> Option<&'static Known> {

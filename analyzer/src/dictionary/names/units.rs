@@ -1,6 +1,6 @@
 //! Physical units of objects, as far as a standard fixes them.
 
-use super::known_profile;
+use super::profile::logical_device;
 use crate::identity::Multiplexer;
 use std::borrow::Cow;
 
@@ -48,7 +48,10 @@ pub fn unit(address: Multiplexer, profile: Option<u16>) -> Option<Unit> {
         (0x1301..=0x1340, 2 | 3, _) => MILLISECONDS,
         (0x1400..=0x15FF | 0x1800..=0x19FF, 3, _) => TENTHS_OF_MILLISECONDS,
         (0x1400..=0x15FF | 0x1800..=0x19FF, 5, _) => MILLISECONDS,
-        (0x6000..=0x67FF, _, Some(number)) => return known_profile(number)?.unit(address),
+        (0x6000..=0x9FFF, _, Some(number)) => {
+            let device = logical_device(address.index, number)?;
+            return device.profile.unit(Multiplexer { index: device.object, ..address });
+        }
         _ => return None,
     })
 }

@@ -1,3 +1,4 @@
+use crate::dictionary::names::ErrorName;
 use crate::findings::Context;
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
@@ -28,6 +29,8 @@ impl Rule for Contradiction {
             let report =
                 Report::at(context.now()).node(context.node()).detail(u64::from(code.0)).kind(u64::from(code.0));
             sink.report(report.evidence(context.evidence()), || {
+                let profile = context.node().and_then(|node| context.scene.bus.node(node)?.profile(node));
+                let code = ErrorName { code, profile };
                 format!("code {code}, but the error register is {:02X}h", register.0)
             });
         }

@@ -2,6 +2,7 @@ use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene};
 use crate::message::Message;
+use crate::text::EmcyText;
 use canvass_macros::rule;
 use canvass_traces::Duration;
 
@@ -30,6 +31,7 @@ impl Rule for NeverCleared {
                 .detail(u64::from(code.0))
                 .kind(u64::from(code.0))
                 .evidence(seen.evidence());
+            let emcy = EmcyText::of(emcy, node, scene.bus);
             sink.report(report, || match scene.now.since(seen.time()) {
                 Duration::ZERO => format!("EMCY {emcy}, with which the capture ends"),
                 later => format!("EMCY {emcy}, still present {later} later at the end"),

@@ -253,7 +253,7 @@ impl Facts {
             self.presence.heard(node);
             let facts = &mut self.nodes[node];
             if let Message::ErrorControl(message) = decoded.message {
-                facts.shown(message.state);
+                facts.shown(message.state, now);
             }
             facts.is_slave |= matches!(decoded.service, Service::Sdo | Service::Pdo | Service::Emcy);
             if let (Some(_), Some(last)) = (facts.pending_reset, facts.last_seen) {

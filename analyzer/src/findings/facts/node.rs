@@ -15,6 +15,8 @@ pub struct NodeFacts {
     pub last_id: Option<u16>,
     /// Whether the last heartbeat, guarding answer, boot-up or start command shows the node in operational.
     pub operational: bool,
+    /// Time at which error control last showed the node in operational.
+    pub last_operational: Option<Timestamp>,
     /// The last NMT command to the node or to all nodes.
     pub command: Option<(Command, Timestamp)>,
     /// Whether the node has shown the state of `command`, and whether it has shown another one since.
@@ -107,8 +109,11 @@ impl NodeFacts {
     }
 
     /// Notes a state that error control shows.
-    pub(super) fn shown(&mut self, state: State) {
+    pub(super) fn shown(&mut self, state: State, now: Timestamp) {
         self.operational = state == State::OPERATIONAL;
+        if self.operational {
+            self.last_operational = Some(now);
+        }
         let Some(commanded) = self.command.and_then(|(command, _)| command.state()) else { return };
         self.obedience = match self.obedience {
             _ if state == commanded => Obedience::Reached,

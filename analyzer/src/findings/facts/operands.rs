@@ -36,13 +36,14 @@ pub fn collect(record: &Record, decoded: &Decoded, bus: &Bus, operands: &mut Vec
     operands.clear();
     let node = decoded.node?;
     match decoded.message {
-        Message::Pdo(number @ PdoNumber::Transmit(_)) => {
+        Message::Pdo(number) => {
             let known = bus.node(node)?;
             let profile = known.profile(node).filter(|&profile| is_profile(profile))?;
             let payload = record.frame.data();
+            let written = matches!(number, PdoNumber::Receive(_));
             let operand = |signal: &Signal| {
                 let raw = signal.raw(payload)?;
-                Some(Operand { node, object: signal.object, raw, bits: signal.bits, written: false })
+                Some(Operand { node, object: signal.object, raw, bits: signal.bits, written })
             };
             operands.extend(known.known_layout(number)?.signals.iter().filter_map(operand));
             Some(profile)
@@ -59,7 +60,7 @@ pub fn collect(record: &Record, decoded: &Decoded, bus: &Bus, operands: &mut Vec
 fn transferred(node: NodeId, decoded: &Decoded, bus: &Bus) -> Option<Operand> {
     let transfer = bus.transfer(decoded.channel?)?;
     let (object, data) = (transfer.multiplexer, transfer.data());
-    if transfer.outcome != Outcome::Complete || !matches!(object.index.0, 0x6000..=0x6FFF) || data.len() > 8 {
+    if transfer.outcome != Outcome::Complete || !matches!(object.index.0, 0x6000..=0x9FFF) || data.len() > 8 {
         return None;
     }
     let mut bytes = [0; 8];

@@ -19,7 +19,7 @@ const EFFECTS: &[Effect] = &[
 
 /// an LSS slave is left in configuration state
 ///
-/// The master has switched slaves to configuration state, one by its address or all, and does not switch them back to
+/// The master has switched slaves to configuration state, one by its address or by Fastscan or all, and does not switch them back to
 /// waiting until the capture ends, or for a long time. A boot-up of the node also ends the state. The node is known if
 /// its node-ID was inquired. If it continues to send messages, or is not known, the severity is info.
 ///
@@ -35,6 +35,14 @@ struct LeftInConfiguration {
     #[threshold(ms = 5000)]
     wait: Duration,
     state: Option<Configuring>,
+    /// Whether the last request is the last one of a Fastscan, whose answer switches the slave.
+    ends_scan: bool,
+}
+
+/// Whether a Fastscan request confirms the whole LSS address: the slave that answers it enters configuration state.
+/// The request checks all bits of the serial number, and the next number is none after it (CiA 305, Fastscan).
+const fn ends_scan(request: Request) -> bool {
+    matches!(request, Request::Fastscan { bit_check: 0, sub, next, .. } if sub == 3 && next < sub)
 }
 
 /// Slaves in configuration state.
@@ -86,8 +94,13 @@ impl Rule for LeftInConfiguration {
             self.state.take_if(|state| state.ends_with(context.node()));
             return;
         }
+        if let Message::LssRequest(request) = *context.message() {
+            self.ends_scan = ends_scan(request);
+        }
         match *context.message() {
-            Message::LssRequest(Request::SwitchGlobal { mode: 1 }) | Message::LssResponse(Response::Switched) => {
+            Message::LssResponse(Response::Identified) if !self.ends_scan => {}
+            Message::LssRequest(Request::SwitchGlobal { mode: 1 })
+            | Message::LssResponse(Response::Switched | Response::Identified) => {
                 let (switched, last) = (context.seen(), context.seen());
                 self.state = Some(Configuring { switched, last, node: None, next: None });
             }

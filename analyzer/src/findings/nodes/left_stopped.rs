@@ -1,3 +1,4 @@
+use crate::findings::effect::SOON;
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Seen};
@@ -12,7 +13,8 @@ use canvass_traces::Duration;
 ///
 /// An operational node is told by an NMT command to stop or to enter pre-operational, obeys, and is not started again
 /// until the capture ends, while other nodes stay operational and it still sends messages itself. The TPDOs that ended
-/// with the command are named.
+/// with the command are named. A machine whose nodes are stopped one after the other is switched off: if only one node
+/// is left in operational, it is the master, and nothing is reported.
 ///
 /// # Why
 /// The node looks alive, as its heartbeat goes on, but takes part in nothing any more: its PDOs have ended, and
@@ -60,6 +62,19 @@ fn pdos(node: NodeId, scene: &Scene<'_>) -> Vec<(u16, String)> {
     rows.map(|(_, number, stream)| (number, name(number, stream.period()))).collect()
 }
 
+impl LeftStopped {
+    /// Whether nodes go on while others are stopped. If several nodes were told to stop and a single one operates, that
+    /// one is the master: the machine is switched off, one node after the other.
+    fn others_go_on(&self, operating: usize, scene: &Scene<'_>) -> bool {
+        let stops = || self.nodes.iter().filter_map(|(_, stop)| stop.as_deref());
+        let several = stops().nth(1).is_some();
+        let lately = |stop: &Stop| scene.now.since(stop.command.time()) <= self.least;
+        // The next node may be about to be stopped.
+        let goes_on_stopping = several && stops().any(lately);
+        operating > usize::from(several) && !goes_on_stopping
+    }
+}
+
 impl Rule for LeftStopped {
     fn frame(&mut self, context: &Context<'_>, _: &mut Sink<'_>) {
         let Message::Nmt(nmt) = *context.message() else { return };
@@ -90,8 +105,9 @@ impl Rule for LeftStopped {
             let seen = scene.facts.node(node).last_seen;
             seen.is_some_and(|seen| scene.now.since(seen) <= self.least)
         };
-        let other_operates = NodeId::all()
-            .any(|node| self.nodes[node].is_none() && state(node) == Some(State::OPERATIONAL) && lives(node));
+        let operates =
+            |node: &NodeId| self.nodes[*node].is_none() && state(*node) == Some(State::OPERATIONAL) && lives(*node);
+        let other_operates = self.others_go_on(NodeId::all().filter(operates).count(), scene);
         for (node, stop) in self.nodes.iter() {
             let Some(stop @ Stop { command, expected, pdos }) = stop.as_deref() else { continue };
             let lasted = scene.now.since(command.time());
@@ -99,7 +115,9 @@ impl Rule for LeftStopped {
             if !stop.goes_on(node, scene).is_empty() {
                 continue;
             }
-            let obeys = state(node) == Some(*expected) && lives(node) && other_operates;
+            // A node that was operational in between was started by a command that the capture does not show.
+            let restarted = scene.facts.node(node).last_operational.is_some_and(|at| at > command.time() + SOON);
+            let obeys = state(node) == Some(*expected) && lives(node) && other_operates && !restarted;
             if lasted <= self.least || !obeys {
                 continue;
             }

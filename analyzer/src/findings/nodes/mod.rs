@@ -1,5 +1,6 @@
 //! Rules about nodes: their NMT states, boot-ups and error control.
 
+mod boot_unfinished;
 mod boot_up_without_command;
 mod command_not_obeyed;
 mod consumer_time;

@@ -53,6 +53,9 @@ struct Gaps {
     period: Duration,
     /// Weight of the intervals since the first gap that differ from the period.
     change: u32,
+    /// Time since the SYNC before the first gap, and the number of SYNC messages in it.
+    elapsed: Duration,
+    messages: u64,
     /// Number of intervals that had the period since it was learned.
     kept: u32,
 }
@@ -78,8 +81,8 @@ enum Shows {
 impl Gaps {
     /// Maximum number of gaps that are kept.
     const MOST: usize = 8;
-    /// The weight of an interval that is longer than the period. A producer that catches up sends at many shorter
-    /// intervals, each with the weight 1.
+    /// The weight of an interval that is longer than the period. A shorter interval weighs 1, or nothing while the producer
+    /// only sends what it has missed.
     const LONGER: u32 = 8;
     /// The weight of intervals that shows a new period.
     const CHANGED: u32 = 4 * Self::LONGER;
@@ -87,12 +90,24 @@ impl Gaps {
     /// later interval shows whether the period goes on.
     const BELIEVED: u32 = 10;
 
+    /// Begins to count at the first gap.
+    const fn begin(&mut self, period: Duration, length: Duration) {
+        (self.period, self.change, self.elapsed, self.messages) = (period, Self::LONGER, length, 1);
+    }
+
+    /// Whether the producer still owes SYNC messages: it has sent fewer than the period asks for since the first gap.
+    fn is_owing(&self) -> bool {
+        self.period.nanos().saturating_mul(self.messages) <= self.elapsed.nanos()
+    }
+
     fn judge(&mut self, length: Duration) -> Shows {
         let period = self.period.nanos();
+        self.elapsed = self.elapsed + length;
+        self.messages += 1;
         if length.nanos().abs_diff(period) <= (period / 4).max(500_000) {
             return Shows::GoesOn;
         }
-        self.change += if length > self.period { Self::LONGER } else { 1 };
+        self.change += if length > self.period { Self::LONGER } else { u32::from(!self.is_owing()) };
         if self.change < Self::CHANGED { Shows::Nothing } else { Shows::Changed }
     }
 
@@ -117,7 +132,7 @@ impl SyncMissing {
                 self.gaps.kept += u32::from(interval.expected.is_some());
                 return;
             };
-            (self.gaps.period, self.gaps.change) = (period, Gaps::LONGER);
+            self.gaps.begin(period, interval.length);
             return self.open(interval.length, context);
         }
         match self.gaps.judge(interval.length) {

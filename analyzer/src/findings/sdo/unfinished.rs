@@ -4,9 +4,11 @@ use crate::findings::facts::RequestEvent;
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Seen};
+use crate::message::Service;
 use crate::network::Event;
 use crate::network::sdo::{Direction, Transfer};
 use crate::wire::nmt::Command;
+use crate::wire::sdo::{REQUEST_BASE, RESPONSE_BASE};
 use canvass_macros::rule;
 use canvass_traces::{Duration, Timestamp};
 
@@ -42,6 +44,10 @@ fn progress(transfer: &Transfer) -> String {
         Direction::Upload => "read",
         Direction::Download => "written",
     };
+    let done = &match unconfirmed(transfer) {
+        0 => done.to_owned(),
+        bytes => format!("{done} and confirmed, {bytes} more in a block without confirmation"),
+    };
     match (transfer.length(), transfer.announced) {
         (length, Some(announced)) if length >= announced.into() => {
             format!("all {length} bytes {done}, but without a last segment")
@@ -50,6 +56,13 @@ fn progress(transfer: &Transfer) -> String {
         (1, None) => format!("1 byte {done}"),
         (length, None) => format!("{length} bytes {done}"),
     }
+}
+
+/// The number of bytes that were sent in a block, and not confirmed. Padding of the last segment does not count, as far as
+/// the length is known.
+fn unconfirmed(transfer: &Transfer) -> u64 {
+    let bytes = u64::from(transfer.unconfirmed);
+    transfer.announced.map_or(bytes, |announced| bytes.min(u64::from(announced).saturating_sub(transfer.length())))
 }
 
 fn detail(transfer: &Transfer) -> u64 {
@@ -63,9 +76,16 @@ fn report<'e>(node: NodeId, transfer: &Transfer) -> Report<'e> {
     report.detail(detail(transfer)).object(transfer.multiplexer)
 }
 
-/// Whether the server has answered the first request: the transfer has more than one frame.
-fn is_answered(transfer: &Transfer) -> bool {
-    transfer.latest > transfer.started
+/// The last frames of a transfer on the node's default channel.
+fn last_frames<'a>(node: NodeId, transfer: &Transfer, scene: &Scene<'a>) -> [Option<&'a Seen>; 2] {
+    let of = |id: u16| {
+        let seen = scene.latest.get(id + u16::from(node.raw()))?;
+        let belongs = seen.decoded.service == Service::Sdo && seen.decoded.node == Some(node);
+        Some(seen).filter(|seen| belongs && seen.time() >= transfer.started && seen.time() <= transfer.latest)
+    };
+    let mut frames = [REQUEST_BASE, RESPONSE_BASE].map(of);
+    frames.sort_by_key(|frame| frame.map(Seen::time));
+    frames
 }
 
 /// Whether a command has ended the transfer.
@@ -93,7 +113,7 @@ impl Rule for Unfinished {
         if unanswered || !context.scene.bus.events().iter().any(is_left) {
             return;
         }
-        let left = context.scene.bus.left_transfer(channel).filter(|left| is_answered(left));
+        let left = context.scene.bus.left_transfer(channel).filter(|left| left.is_answered);
         let Some(transfer) = left.filter(|left| !self.is_excused(node, left, context.scene)) else { return };
         let report = report(node, transfer).evidence(context.previous.map(Seen::evidence));
         sink.report(report.evidence(context.evidence()), || {
@@ -115,10 +135,12 @@ impl Rule for Unfinished {
             let silence = scene.now.since(transfer.latest);
             let pending =
                 |(_, pending): (_, &crate::findings::facts::Pending)| pending.request.decoded.node == Some(node);
-            if silence <= self.wait || !is_answered(transfer) || scene.facts.requests.open().any(pending) {
+            if silence <= self.wait || !transfer.is_answered || scene.facts.requests.open().any(pending) {
                 continue;
             }
-            sink.report(report(node, transfer), || {
+            let [first, last] = last_frames(node, transfer, scene);
+            let report = report(node, transfer).evidence(first.map(Seen::evidence)).evidence(last.map(Seen::evidence));
+            sink.report(report, || {
                 let (direction, object) = (transfer.direction, transfer.multiplexer);
                 format!("{direction} of {object} left with {}: nothing follows for {silence}", progress(transfer))
             });

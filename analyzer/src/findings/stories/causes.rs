@@ -84,8 +84,12 @@ fn follows(effect: &Group<'_>, cause: &Group<'_>) -> bool {
 
 /// Whether the first occurrence of an effect and at least half of all occurrences come at the right time.
 fn is_mostly(effect: &Group<'_>, in_time: impl Fn(Timestamp) -> bool) -> bool {
-    let begins = || effect.findings.iter().flat_map(|finding| &finding.windows).map(|window| window.0);
-    in_time(effect.first()) && begins().filter(|begin| in_time(*begin)).count() * 2 >= begins().count()
+    if !in_time(effect.first()) {
+        return false;
+    }
+    let counts = effect.findings.iter().map(|finding| finding.occurrences.count(&in_time));
+    let (timely, all) = counts.fold((0, 0), |sum, row| (sum.0 + row.0, sum.1 + row.1));
+    timely * 2 >= all
 }
 
 fn is_as_stated(stated: &Effect, effect: &Group<'_>, cause: &Group<'_>) -> bool {

@@ -43,8 +43,8 @@ impl Group<'_> {
 
     /// Whether an occurrence covers this time, or ended up to `settle` before it, or begins up to `early` after it.
     pub fn covers(&self, time: Timestamp, early: Duration, settle: Duration) -> bool {
-        let mut windows = self.findings.iter().flat_map(|finding| &finding.windows);
-        windows.any(|(begin, end)| time + early >= *begin && time <= *end + settle)
+        let mut spans = self.findings.iter().flat_map(|finding| finding.occurrences.spans());
+        spans.any(|(begin, end)| time + early >= begin && time <= end + settle)
     }
 
     /// Whether the time is between the first and the last occurrence, or up to `settle` outside.

@@ -186,6 +186,7 @@ impl Channel {
         run.in_order = expected;
         run.last = segment.last;
         self.held_back.0.extend_from_slice(&segment.data);
+        self.with(|transfer| transfer.unconfirmed += segment.data.len() as u32);
         (run, over, step)
     }
 
@@ -196,6 +197,7 @@ impl Channel {
         let held_back = &mut self.held_back;
         if let Some(transfer) = &mut self.transfer {
             transfer.segments += u32::from(sequence.min(run.in_order));
+            transfer.unconfirmed = 0;
             if sequence > run.in_order {
                 // The receiver has segments that the capture lacks.
                 transfer.blame(Violation::Sequence { expected: run.in_order.saturating_add(1), found: sequence });

@@ -419,6 +419,7 @@ impl Channel {
     pub(super) fn answered(&mut self, now: Timestamp, multiplexer: Multiplexer, step: Step) -> Step {
         self.under_way.end();
         self.seen(now);
+        self.with(|transfer| transfer.is_answered = true);
         match &mut self.transfer {
             Some(transfer) if transfer.multiplexer != multiplexer => {
                 let violation = Violation::Multiplexer(multiplexer);

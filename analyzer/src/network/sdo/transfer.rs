@@ -22,6 +22,11 @@ pub struct Transfer {
     pub announced: Option<u32>,
     /// The number of segments with data; repeated ones count once.
     pub segments: u32,
+    /// Number of bytes in the segments of a block that the receiver has not confirmed yet, as they stand in the frames: the
+    /// last segment may be padded.
+    pub unconfirmed: u32,
+    /// Whether the server has answered the first request.
+    pub is_answered: bool,
     /// The outcome of the transfer; open until its end.
     pub outcome: Outcome,
     /// The first violation of the protocol in the transfer.
@@ -124,6 +129,8 @@ impl Transfer {
             latest: now,
             announced: None,
             segments: 0,
+            unconfirmed: 0,
+            is_answered: false,
             outcome: Outcome::Open,
             violation: None,
             data: Vec::new(),

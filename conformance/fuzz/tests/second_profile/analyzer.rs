@@ -68,6 +68,6 @@ fn an_error_code_of_the_profile_has_its_meaning() {
     network.handle(&Record::new(Timestamp::ZERO, ChannelId(0), frame));
     let bus = network.bus(ChannelId(0)).unwrap();
     let text = |code| EmcyText::of(&Emcy::new(EmcyCode(code), ErrorRegister(0x03), [0; 5]), node(), bus).to_string();
-    assert!(text(OVERLOAD).ends_with(": overload of the digital outputs"), "{}", text(OVERLOAD));
+    assert!(text(OVERLOAD).starts_with("2320h overload of the digital outputs, register"), "{}", text(OVERLOAD));
     assert!(!text(0x2310).contains("overload"));
 }

@@ -6,8 +6,9 @@ use super::excerpt::{FrameKey, Shown, key_of};
 use super::lane::{self, Silences};
 use super::series::Series;
 use crate::diagnosis::Diagnosed;
-use crate::diagnosis::node_table::who;
+use crate::diagnosis::node_table::{profile, who};
 use crate::escape::printable;
+use canvass_analyzer::dictionary::names::ErrorName;
 use canvass_analyzer::network::Cause;
 use canvass_analyzer::statistics::NodeStatistics;
 use canvass_analyzer::{NodeId, Service};
@@ -191,6 +192,7 @@ impl Nodes<'_> {
         let silences = Silences::of(&names.diagnosed.results.findings, channel, id);
         let spans = lane::spans(node, &silences).into_iter();
         let boot_ups = node.states.iter().filter(|change| change.cause == Cause::BootUp);
+        let named = |code| ErrorName { code, profile: profile(node) }.to_string();
         let sent = self.collected.emergencies.get(&(channel, id)).into_iter().flat_map(|buckets| buckets.iter());
         Node {
             channel: place,
@@ -201,7 +203,7 @@ impl Nodes<'_> {
             states: spans.map(|span| (names.micros(span.from), names.micros(span.to), span.state)).collect(),
             boot_ups: boot_ups.map(|change| names.micros(change.time)).collect(),
             silent: silences.left_out,
-            emergencies: sent.map(|sent| (names.micros(sent.time), sent.code.to_string(), sent.count)).collect(),
+            emergencies: sent.map(|sent| (names.micros(sent.time), named(sent.code), sent.count)).collect(),
         }
     }
 }

@@ -2,10 +2,11 @@
 
 use super::{lane, text};
 use crate::diagnosis::Diagnosed;
-use crate::diagnosis::node_table::{rounded, rows as overview, who};
+use crate::diagnosis::node_table::{profile, rounded, rows as overview, who};
 use crate::page::put;
 use crate::page_text::capitalised;
 use crate::provenance::{identity_facts, identity_of};
+use canvass_analyzer::dictionary::names::ErrorName;
 use canvass_analyzer::statistics::{BusStatistics, Histogram, NodeStatistics, TestRun};
 use canvass_analyzer::{NodeId, Service};
 use canvass_traces::{ChannelId, Duration};
@@ -147,7 +148,7 @@ fn emcy(diagnosed: &Diagnosed<'_>, node: &NodeStatistics) -> Markup {
                 thead { tr { th scope="col" { "Code" } th.number scope="col" { "Count" } th.number scope="col" { "First [s]" } th.number scope="col" { "Last [s]" } } }
                 @for row in &node.emcy {
                     tr {
-                        td.text { (row.code) }
+                        td.text { (ErrorName { code: row.code, profile: profile(node) }) }
                         td.number { (row.count) }
                         td.number { (diagnosed.since_start(row.first)) }
                         td.number { (diagnosed.since_start(row.last)) }

@@ -1,5 +1,6 @@
 use super::node::operands;
 use crate::findings::{Context, Report, Rule, Sink};
+use crate::message::Service;
 use crate::wire::error_control::State;
 use canvass_macros::rule;
 
@@ -23,7 +24,8 @@ impl Rule for ParameterChanged {
             let state = context.scene.bus.node(operand.node).and_then(|node| node.state);
             let operational = state.is_some_and(|state| state.0 == State::OPERATIONAL);
             let moves_position = matches!(operand.object.index.0, 0x6000..=0x6003);
-            if operational && operand.written && moves_position {
+            let by_client = operand.written && context.decoded.service == Service::Sdo;
+            if operational && by_client && moves_position {
                 let report = Report::at(context.now()).node(operand.node);
                 let report = report.detail(u64::from(operand.object.index.0));
                 sink.report(report.evidence(context.evidence()), || {
