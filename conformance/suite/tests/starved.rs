@@ -186,7 +186,7 @@ fn tested_as(machine: Box<dyn Machine>, firmware: Firmware, selectors: &[&str]) 
     let selectors: Vec<Selector> = selectors.iter().map(|text| text.parse().unwrap()).collect();
     let (target, cases) = (Target::with_firmware(model, node, firmware), select(&selectors).unwrap());
     let (cancel, mut annotate) = (AtomicBool::new(false), |_: &Record| String::new());
-    let plan = Plan { cases: &cases, bus: "sim:test", bit_rate: None, seed: 0 };
+    let plan = Plan { cases: &cases, bus: "sim:test", bit_rate: None, seed: 0, shuffle: None };
     let mut reports = Vec::new();
     let mut bench = Bench::new(&mut bus, &target, &options, &mut annotate, &cancel);
     // If a single case could not be judged, its verdict says so; the result of the run adds nothing.
