@@ -63,7 +63,7 @@ const STEPS: [CiStep; 16] = [
     CiStep { name: "real SocketCAN", alone: "cargo xtask vcan --without-nightly", run: vcan::by_day },
     CiStep {
         name: "self-test",
-        alone: "cargo run --release -- selftest; the same with --null, and with --fuzz",
+        alone: "cargo run --release -- selftest; the same with --null, with --alone, and with --fuzz",
         run: self_test,
     },
     CiStep { name: "Windows", alone: "cargo xtask windows --check", run: windows::step },
@@ -253,6 +253,7 @@ fn self_test() -> Result<()> {
     let program = program.to_string_lossy();
     run(&program, &["selftest"])?;
     run(&program, &["selftest", "--null"])?;
+    run(&program, &["selftest", "--alone"])?;
     run(&program, &["selftest", "--fuzz"])
 }
 
