@@ -1,5 +1,6 @@
 //! The matrix of the selftest with the cases that failed on each fault. As JSON it is a [`SelftestResult`].
 
+pub mod alone;
 pub mod null;
 pub mod wire;
 

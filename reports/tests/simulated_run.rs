@@ -41,7 +41,7 @@ fn run_with(faults: Faults, reporters: &mut [&mut dyn Reporter]) -> Summary {
     let (options, cancel) = (Options::default(), AtomicBool::new(false));
     let mut decoder = Decoder::new(&target);
     let mut bench = Bench::new(&mut bus, &target, &options, &mut decoder, &cancel);
-    let plan = Plan { cases: &catalogue::cases(), bus: "sim:kuebler-sendix-58x8", bit_rate, seed: 0 };
+    let plan = Plan { cases: &catalogue::cases(), bus: "sim:kuebler-sendix-58x8", bit_rate, seed: 0, shuffle: None };
     run(&mut bench, &plan, &mut |event| reporters.iter_mut().for_each(|reporter| reporter.event(event).unwrap()))
         .unwrap()
 }

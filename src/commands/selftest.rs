@@ -10,7 +10,7 @@ use canvass_fuzzer::detection::{FuzzedFault, Limit, Table, detect};
 use canvass_fuzzer::liberties;
 use canvass_reports::escape::Printable;
 use canvass_reports::fuzz::detection;
-use canvass_reports::selftest::{json, null, text, wire};
+use canvass_reports::selftest::{alone, json, null, text, wire};
 use canvass_suite::case::Case;
 use canvass_suite::catalogue::{Selector, select};
 use canvass_suite::selftest::{self, Chance, Extent};
@@ -43,8 +43,13 @@ pub struct Args {
     /// With --wire: the devices to run, such as `sdo/*` or `*/frame/lost/*` (default: all)
     #[arg(long, value_name = "PATTERN", value_delimiter = ',', requires = "wire")]
     mutant: Vec<String>,
-    /// With --wire: number of these devices, drawn by --seed (default: all)
-    #[arg(long, value_name = "N", requires = "wire")]
+    /// Instead run each case alone and together with all others, in two orders: show which verdicts differ, and whether
+    /// each difference was reviewed
+    #[arg(long, conflicts_with_all = ["fuzz", "fault", "null", "wire"])]
+    alone: bool,
+    /// With --wire: number of these devices, drawn by --seed (default: all); with --alone: number of faults, and of
+    /// pairs of faults (default: 40)
+    #[arg(long, value_name = "N", conflicts_with_all = ["fuzz", "null"])]
     count: Option<usize>,
     /// Instead test the fuzzer: show how fast it finds each fault that it claims to find
     #[arg(long, conflicts_with = "select")]
@@ -97,6 +102,9 @@ impl Args {
         if self.wire {
             return self.wire();
         }
+        if self.alone {
+            return self.alone();
+        }
         let of_faults = !self.fault.is_empty();
         let (cases, faults) = self.chosen()?;
         let mut chance = Chance { seed: self.seed, ..Chance::WHOLE };
@@ -141,6 +149,19 @@ impl Args {
             MatrixFormat::Json => unless_closed(wire::json(&matrix, &mut document(false)))?,
         }
         Ok(if matrix.survivors().next().is_none() { Status::Good } else { Status::Findings })
+    }
+
+    fn alone(self) -> Result<Status, Failure> {
+        let (cases, _) = self.chosen()?;
+        let count = self.count.unwrap_or(selftest::alone::Sample::USUAL);
+        let sample = selftest::alone::Sample { seed: self.seed, count: Some(count) };
+        let rows = selftest::alone::run(&cases, sample).map_err(|error| Failure::unreachable(anyhow!(error)))?;
+        match self.format {
+            MatrixFormat::Table => print(&Printable::document(&alone::text(&rows)))?,
+            MatrixFormat::Json => unless_closed(alone::json(&rows, &mut document(false)))?,
+        }
+        let good = rows.iter().all(selftest::alone::AloneRow::is_good);
+        Ok(if good { Status::Good } else { Status::Findings })
     }
 
     /// Runs each claimed fault with each seed, one after the other: parallel runs would distort the times.

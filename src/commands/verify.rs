@@ -128,7 +128,7 @@ fn judge(entries: &[Entry], setup: &Setup) -> Result<Verified> {
     let known = |id: &String| catalogue::find(id).with_context(|| format!("there is no case {id} in this version"));
     let cases: Vec<&'static Case> = setup.cases.iter().map(known).collect::<Result<_>>()?;
     let options = &setup.options;
-    let plan = Plan { cases: &cases, bus: &setup.bus, bit_rate: replay.bit_rate(), seed: setup.seed };
+    let plan = Plan { cases: &cases, bus: &setup.bus, bit_rate: replay.bit_rate(), seed: setup.seed, shuffle: None };
     let (cancel, mut annotate) = (AtomicBool::new(false), |_: &Record| String::new());
     let mut found: Vec<(&str, Kind)> = Vec::new();
     let mut bench = Bench::new(&mut replay, &target, options, &mut annotate, &cancel);

@@ -43,6 +43,9 @@ fn runs_on_devices_are_as_their_schemas_say() {
     let fuzzed = holds(&["fuzz", broken, "--runs", "300", "--seed", "1", "--target", "sdo", "--format", "json"]);
     assert!(!fuzzed[0]["violations"].as_array().unwrap().is_empty());
     holds(&["selftest", "--select", "301/nmt/back-to-back", "--format", "json"]);
+    holds(&["selftest", "--alone", "--count", "1", "--select", "301/nmt/back-to-back", "--format", "json"]);
+    let shuffled = holds(&["test", broken, "--select", "301/sdo/abort", "--shuffle", "3", "--format", "json"]);
+    assert_eq!(shuffled[0]["shuffle"], 3);
 }
 
 #[test]

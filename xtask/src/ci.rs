@@ -74,7 +74,7 @@ const STEPS: [CiStep; 19] = [
     CiStep { name: "real SocketCAN", alone: "cargo xtask vcan --without-nightly", run: vcan::by_day },
     CiStep {
         name: "self-test",
-        alone: "cargo run --release -- selftest; the same with --null, and with --fuzz",
+        alone: "cargo run --release -- selftest; the same with --null, with --alone, and with --fuzz",
         run: self_test,
     },
 ];
@@ -273,6 +273,7 @@ fn self_test() -> Result<()> {
     let program = program.to_string_lossy();
     run(&program, &["selftest"])?;
     run(&program, &["selftest", "--null"])?;
+    run(&program, &["selftest", "--alone"])?;
     run(&program, &["selftest", "--fuzz"])
 }
 

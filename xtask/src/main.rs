@@ -20,6 +20,7 @@
 //! - `cargo xtask screenshot`: the pictures in `docs`;
 //! - `cargo xtask mutants`: how many random mutants of the simulated devices the suite and the fuzzer find; with
 //!   `--tests`, how many mutants of a crate its own tests find;
+//! - `cargo xtask alone`: whether a case alone and the same case in a whole run give the same verdict;
 //! - `cargo xtask as-found`: whether a run, complete, interrupted or killed, leaves the simulated devices as it found
 //!   them;
 //! - `cargo xtask web`: the page with the decoder as WebAssembly; `web-test` tests it, `web-bench` measures it;
@@ -65,6 +66,7 @@ const USAGE: &str = "usage: cargo xtask [--install] COMMAND
     test | ci | nightly | docs
     peers | browser | fleet | vcan [WORDS...] | vcan-load
     fuzz [--for SECONDS] | attack [--for SPAN] [--seed N] | storm
+    alone [--count N] [--seed N]
     as-found [--all] [--seed N] [--model ID]
     mutants [--seed D] [--count N] [--tests analyzer|suite]
     flaky [--runs N] [--at-once N] [--model ID]... [--select CASES] [--bus vcan|INTERFACE]
@@ -92,6 +94,7 @@ fn main() -> Result<()> {
         Some("bench") if more.first().is_some_and(|word| word == "--descriptions") => bench::descriptions(),
         Some("bench") if more.first().is_some_and(|word| word == "--fleet") => fleet::bench::bench(),
         Some("bench") => bench::bench(),
+        Some("alone") => run::run("cargo", &alone(more)),
         Some("as-found") => as_found::as_found(more),
         Some("attack") => attack::attack(more),
         Some("flaky") => flaky::flaky(more),
@@ -115,4 +118,10 @@ fn main() -> Result<()> {
         Some("worst") => worst::worst(),
         _ => bail!("{USAGE}"),
     }
+}
+
+/// The command of `canvass selftest --alone`, with more words.
+fn alone(more: &[String]) -> Vec<&str> {
+    let selftest = ["run", "--release", "--locked", "--", "selftest", "--alone"];
+    selftest.into_iter().chain(more.iter().map(String::as_str)).collect()
 }

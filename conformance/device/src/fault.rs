@@ -1316,6 +1316,26 @@ pub enum Fault {
     SynchronousRpdoRefused,
     /// An abort of the client does not end a block download.
     SdoBlockAbortIgnored,
+    /// An abort of the client before the first segment does not end a block download.
+    SdoFirstBlockAbortIgnored,
+    /// During a segmented download every new request is refused with abort 0800 0021h, even after a reset, until the
+    /// client aborts the download.
+    SdoOpenDownloadSurvivesReset,
+    /// Only the last segment of a download is confirmed.
+    SdoDownloadSegmentUnconfirmed,
+    /// A download directly after a segmented upload is refused with abort 0800 0000h.
+    #[row(fuzz = Never(Refusal))]
+    SdoDownloadRefusedAfterUpload,
+    /// The first block download after a block upload writes the value of that upload.
+    SdoBlockDownloadWritesUpload,
+    /// A segmented download that does not announce its size must have the size that the one before announced.
+    SdoStaleSizeExpected,
+    /// The first start after "save" reports EMCY 5000h, and the device does not enter operational until the next start.
+    #[row(fuzz = Never(AfterStore))]
+    StoreBreaksStart,
+    /// The first start after "load" reports EMCY 5000h, and the device does not enter operational until the next start.
+    #[row(fuzz = Never(AfterStore))]
+    RestoreBreaksStart,
 }
 
 /// The properties of a fault besides its name and its summary.

@@ -2,6 +2,7 @@
 
 use crate::case::Case;
 use crate::glob;
+use crate::selftest::Dice;
 use std::fmt;
 use std::str::FromStr;
 
@@ -122,6 +123,15 @@ pub fn select(selectors: &[Selector]) -> Result<Vec<&'static Case>, Selector> {
     Ok(cases)
 }
 
+/// The cases in a random order, equal for equal seeds. Cases that can lose the device are last, as in [`select`].
+pub fn shuffled(cases: &[&'static Case], seed: u64) -> Vec<&'static Case> {
+    let mut dice = Dice::new(seed);
+    let mut drawn: Vec<(bool, u64, &'static Case)> =
+        cases.iter().map(|case| (case.can_lose_the_device(), dice.next(), *case)).collect();
+    drawn.sort_unstable_by_key(|(risky, number, _)| (*risky, *number));
+    drawn.into_iter().map(|(_, _, case)| case).collect()
+}
+
 /// The likely intention of a selector that selects nothing: the family whose name has the longest beginning in common
 /// with it.
 pub fn nearest(selector: &Selector) -> Option<&'static str> {
@@ -168,6 +178,17 @@ mod tests {
         assert!(safe + risky == cases().len() && risky > 10);
         let selected = ["305/node-id", "301/restore", "301/time"].map(|text| text.parse().unwrap());
         assert!(shape(&selected).1 > 0);
+    }
+
+    #[test]
+    fn a_shuffled_order_has_every_case_once_and_risky_cases_last() {
+        let usual = select(&[]).unwrap();
+        let ids = |cases: &[&'static Case]| cases.iter().map(|case| case.id).collect::<Vec<_>>();
+        let (one, again, other) = (shuffled(&usual, 1), shuffled(&usual, 1), shuffled(&usual, 2));
+        assert_eq!(ids(&one), ids(&again));
+        assert!(ids(&one) != ids(&other) && ids(&one) != ids(&usual));
+        assert_eq!(one.iter().map(|case| case.id).collect::<BTreeSet<_>>().len(), usual.len());
+        assert!(one.is_sorted_by_key(|case| case.can_lose_the_device()));
     }
 
     #[test]

@@ -127,7 +127,10 @@ impl Case {
             }
             _ => {}
         }
-        let met = match asked_undisturbed(bench, need) {
+        let asked = asked_undisturbed(bench, need);
+        // A need may begin a transfer to find out whether the server supports it.
+        bench.make_server_idle();
+        let met = match asked {
             Err(Stop::NotApplicable(reason)) => Err(reason.actual),
             Err(Stop::Breach(breach)) if self.level != Level::Open => {
                 let why = Reason::from(&*breach);

@@ -89,7 +89,7 @@ fn tested(model: &str, controller: Option<Controller>, selectors: &[&str], allow
         String::new()
     };
     let (mut reports, mut others, mut notices) = (Vec::new(), Vec::new(), Vec::new());
-    let plan = Plan { cases: &cases, bus: "sim:test", bit_rate: None, seed: 0 };
+    let plan = Plan { cases: &cases, bus: "sim:test", bit_rate: None, seed: 0, shuffle: None };
     let mut bench = Bench::new(&mut bus, &target, &options, &mut annotate, &cancel);
     let summary = run(&mut bench, &plan, &mut |event| match event {
         RunEvent::CaseFinished(report) => reports.push((*report).clone()),

@@ -186,7 +186,7 @@ fn tested_as(machine: Box<dyn Machine>, firmware: Firmware, selectors: &[&str]) 
     let selectors: Vec<Selector> = selectors.iter().map(|text| text.parse().unwrap()).collect();
     let (target, cases) = (Target::with_firmware(model, node, firmware), select(&selectors).unwrap());
     let (cancel, mut annotate) = (AtomicBool::new(false), |_: &Record| String::new());
-    let plan = Plan { cases: &cases, bus: "sim:test", bit_rate: None, seed: 0 };
+    let plan = Plan { cases: &cases, bus: "sim:test", bit_rate: None, seed: 0, shuffle: None };
     let mut reports = Vec::new();
     let mut bench = Bench::new(&mut bus, &target, &options, &mut annotate, &cancel);
     // If a single case could not be judged, its verdict says so; the result of the run adds nothing.
@@ -301,10 +301,13 @@ fn a_device_that_writes_its_memory_is_not_late() {
 #[test]
 fn lateness_is_told() {
     let reports = tested(Faults::NONE, 250, &["301"]);
-    let mut reasons = reports.iter().filter_map(|report| report.verdict.reason());
-    let reason = reasons.find(|reason| reason.lack == Lack::Promptness).unwrap();
-    assert_eq!(reason.duty, "the device keeps up");
-    assert!(reason.actual.starts_with("the device was late as a whole: a read outside the case"), "{reason}");
+    let reasons = reports.iter().filter_map(|report| report.verdict.reason());
+    let late: Vec<_> = reasons.filter(|reason| reason.lack == Lack::Promptness).collect();
+    assert!(late.iter().all(|reason| reason.duty == "the device keeps up"), "{late:#?}");
+    assert!(late.iter().all(|reason| reason.actual.contains("the device was late as a whole")), "{late:#?}");
+    // What another try did not find again is told by that; the others by a read beside the case.
+    let measured = "the device was late as a whole: a read outside the case";
+    assert!(late.iter().any(|reason| reason.actual.starts_with(measured)), "{late:#?}");
     let tried = reports.iter().flat_map(|report| &report.notes).filter(|note| note.contains("late as a whole"));
     assert!(tried.count() > 0, "tried again");
 }

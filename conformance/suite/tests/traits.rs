@@ -74,7 +74,7 @@ fn tested_as(machine: Box<dyn Machine>, firmware: Firmware, selectors: &[&str], 
     let cases = select(&selectors).unwrap();
     let (cancel, mut annotate) = (AtomicBool::new(false), |_: &Record| String::new());
     let (mut verdicts, mut comparison) = (BTreeMap::new(), None);
-    let plan = Plan { cases: &cases, bus: "sim:test", bit_rate: None, seed: 0 };
+    let plan = Plan { cases: &cases, bus: "sim:test", bit_rate: None, seed: 0, shuffle: None };
     let mut bench = Bench::new(&mut bus, &target, &options, &mut annotate, &cancel);
     let summary = run(&mut bench, &plan, &mut |event| match event {
         RunEvent::CaseFinished(report) => {
@@ -242,7 +242,7 @@ fn one_wrong_object_spoils_no_other_case() {
         let options = Options { allow: ALL.iter().copied().collect(), ..Options::default() };
         let (cancel, mut annotate) = (AtomicBool::new(false), |_: &Record| String::new());
         let mut bench = Bench::new(&mut bus, &target, &options, &mut annotate, &cancel);
-        let plan = Plan { cases: &select(&[]).unwrap(), bus: "sim:test", bit_rate: None, seed: 0 };
+        let plan = Plan { cases: &select(&[]).unwrap(), bus: "sim:test", bit_rate: None, seed: 0, shuffle: None };
         let (mut failed, mut open) = (Vec::new(), Vec::new());
         let summary = run(&mut bench, &plan, &mut |event| {
             if let RunEvent::CaseFinished(report) = event {
@@ -342,7 +342,7 @@ fn a_description_needs_no_device() {
         String::new()
     };
     let mut bench = Bench::new(&mut bus, &target, &options, &mut annotate, &cancel);
-    let plan = Plan { cases: &cases, bus: "sim:test", bit_rate: None, seed: 0 };
+    let plan = Plan { cases: &cases, bus: "sim:test", bit_rate: None, seed: 0, shuffle: None };
     let summary = run(&mut bench, &plan, &mut |_| {}).unwrap();
     assert!(cases.len() > 10 && summary.count(Kind::Pass) == cases.len() && summary.is_as_found, "{summary:?}");
     assert_eq!(sent, 0);

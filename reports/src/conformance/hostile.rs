@@ -30,6 +30,7 @@ pub fn play(reporter: &mut dyn Reporter) {
             names: [Some(HOSTILE.to_owned()), None, Some("=cmd()".to_owned())],
         },
         seed: 7,
+        shuffle: None,
         cases: 7,
         dictionary: vec![(Multiplexer::new(object::MANUFACTURER_DEVICE_NAME, 0), vec![0x1B, 0x5B])],
     };

@@ -40,6 +40,7 @@ pub fn result(run: &Run) -> TestResult {
         model: Some(run.info.model.clone()).filter(|model| !model.is_empty()),
         device: (&run.info.device).into(),
         seed: run.info.seed,
+        shuffle: run.info.shuffle,
         cancelled: run.summary.cancelled,
         duration_ns: run.summary.duration.nanos(),
         stores: run.summary.stores,

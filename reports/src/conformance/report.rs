@@ -53,10 +53,12 @@ impl Report for Run {
 fn facts(run: &Run) -> Vec<Fact> {
     let info = &run.info;
     let rate = info.bit_rate.map(|rate| format!(", {} kbit/s", rate / 1_000)).unwrap_or_default();
+    let order = info.shuffle.map(|seed| format!("shuffled, seed {seed}")).unwrap_or_default();
     let of_run = [
         fact("node", &info.node),
         fact("bus", &format!("{}{rate}", info.bus)),
         fact("description", &info.model),
+        fact("order of the cases", &order),
         fact("other clients", &foreign::told(&run.other_clients)),
     ];
     let of_device =

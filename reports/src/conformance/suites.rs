@@ -30,6 +30,9 @@ fn suite(run: &Run, family: &str, cases: &[&CaseReport]) -> Suite {
         ("seed", run.info.seed.to_string()),
         ("host", run.summary.host.as_ref().map(super::host::sentence).unwrap_or_default()),
     ]);
+    if let Some(seed) = run.info.shuffle {
+        suite.add_properties([("shuffle", seed.to_string())]);
+    }
     if !run.other_clients.is_empty() {
         suite.add_properties([("other_clients", foreign::told(&run.other_clients))]);
     }

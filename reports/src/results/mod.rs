@@ -28,7 +28,7 @@ pub use fuzz::FuzzResult;
 pub use history::HistoryResult;
 pub use provenance::Provenance;
 pub use quality::QualityResult;
-pub use selftest::{FuzzSelftestResult, NullSelftestResult, SelftestResult, WireSelftestResult};
+pub use selftest::{AloneSelftestResult, FuzzSelftestResult, NullSelftestResult, SelftestResult, WireSelftestResult};
 pub use test::TestResult;
 pub use verdict::Verdict;
 

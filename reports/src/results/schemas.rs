@@ -1,8 +1,9 @@
 //! The JSON Schemas of all results, made from their types.
 
 use super::{
-    CompareResult, Contract, DecodeLine, DiagnoseResult, EdsCheckResult, FuzzResult, FuzzSelftestResult, HistoryResult,
-    NullSelftestResult, QualityResult, SelftestResult, TestResult, WireSelftestResult,
+    AloneSelftestResult, CompareResult, Contract, DecodeLine, DiagnoseResult, EdsCheckResult, FuzzResult,
+    FuzzSelftestResult, HistoryResult, NullSelftestResult, QualityResult, SelftestResult, TestResult,
+    WireSelftestResult,
 };
 use schemars::generate::SchemaSettings;
 use schemars::{JsonSchema, Schema};
@@ -10,6 +11,7 @@ use schemars::{JsonSchema, Schema};
 /// The schema of each result, with the name and version of its contract. A member that is always written is required.
 pub fn schemas() -> Vec<(&'static str, Schema)> {
     vec![
+        of::<AloneSelftestResult>(),
         of::<CompareResult>(),
         of::<DecodeLine>(),
         of::<DiagnoseResult>(),

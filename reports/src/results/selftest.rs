@@ -212,6 +212,45 @@ impl Contract for NullSelftestResult {
     const COMMAND: &'static str = "canvass selftest --null";
 }
 
+/// The result of `canvass selftest --alone`: the cases whose verdict depends on the cases before them.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct AloneSelftestResult {
+    pub firmwares: Vec<AloneFirmware>,
+    #[schemars(extend("const" = Self::SCHEMA))]
+    pub schema: Word,
+}
+
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct AloneFirmware {
+    /// Number of cases, each of which ran alone and in two whole runs.
+    pub cases: usize,
+    /// Verdicts that differ because of a defect that outlives the reset between two cases.
+    pub explained: Vec<AloneDifference>,
+    /// The model and its faults.
+    pub firmware: String,
+    /// Verdicts that differ for no known reason.
+    pub unexplained: Vec<AloneDifference>,
+}
+
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct AloneDifference {
+    pub alone: Verdict,
+    pub case: Word,
+    /// The defect that explains the difference.
+    pub explanation: Option<String>,
+    /// The reasons of both verdicts, alone and together; empty for a pass.
+    pub reasons: Vec<String>,
+    /// Whether the whole run had a random order.
+    pub shuffled: bool,
+    /// The verdict in the whole run; `null` if that ended before.
+    pub together: Option<Verdict>,
+}
+
+impl Contract for AloneSelftestResult {
+    const SCHEMA: &'static str = "canvass/selftest-alone/1";
+    const COMMAND: &'static str = "canvass selftest --alone";
+}
+
 /// The result of `canvass selftest --wire`: which wrong fields of messages the cases find.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct WireSelftestResult {

@@ -24,6 +24,9 @@ pub struct TestResult {
     pub device: Device,
     #[serde(default)]
     pub seed: u64,
+    /// The seed of the order of the cases, only where they ran in a random one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub shuffle: Option<u64>,
     /// Whether the user ended the run before all cases had run.
     #[serde(default)]
     pub cancelled: bool,

@@ -5,7 +5,7 @@ use crate::status::Failure;
 use anyhow::{Context, anyhow};
 use canvass_reports::results::{self, TestResult};
 use canvass_suite::case::Case;
-use canvass_suite::catalogue::{Selector, cases, find, nearest, select};
+use canvass_suite::catalogue::{Selector, cases, find, nearest, select, shuffled};
 use canvass_traces::small_file::{self, OF_PROGRAM};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -25,6 +25,10 @@ pub struct CaseChoice {
     /// Run only this part of the cases, such as 2/5, to divide them among several runs
     #[arg(long, value_name = "N/M")]
     shard: Option<Shard>,
+    /// Run the cases in a random order of this seed: the verdicts must be the same (cases that can lose the device stay
+    /// last)
+    #[arg(long, value_name = "SEED")]
+    pub shuffle: Option<u64>,
 }
 
 /// A part of all cases, which are divided into `of` parts.
@@ -46,7 +50,7 @@ impl FromStr for Shard {
 }
 
 impl CaseChoice {
-    /// The selected cases by rising id, at least one.
+    /// The selected cases in the order in which they run, at least one.
     ///
     /// # Errors
     /// If a selector matches no case, or no case is left: a run without cases must not look like a success.
@@ -69,7 +73,10 @@ impl CaseChoice {
         if chosen.is_empty() {
             return Err(Failure::unreachable(anyhow!("no case was executed: {} leaves none", self.what_leaves_none())));
         }
-        Ok(chosen)
+        Ok(match self.shuffle {
+            Some(seed) => shuffled(&chosen, seed),
+            None => chosen,
+        })
     }
 
     fn what_leaves_none(&self) -> &'static str {

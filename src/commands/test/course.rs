@@ -40,7 +40,9 @@ impl Course<'_> {
     pub fn run(&mut self, bus: &mut dyn Bus, recorder: Option<&Recorder>, cancel: &AtomicBool) -> Result<Ended> {
         let mut annotate =
             Recorded { decoder: Decoder::new(self.target), recorder, bundled: self.args.bundle.as_ref().map(|_| 0) };
-        let plan = Plan { cases: self.cases, bus: &self.args.bus, bit_rate: bus.bit_rate(), seed: self.args.seed };
+        let shuffle = self.args.choice.shuffle;
+        let plan =
+            Plan { cases: self.cases, bus: &self.args.bus, bit_rate: bus.bit_rate(), seed: self.args.seed, shuffle };
         let mut bench = Bench::new(bus, self.target, self.options, &mut annotate, cancel);
         let (mut is_over, mut recorded) = (false, Ok(()));
         let mut finished: Vec<CaseReport> = Vec::new();

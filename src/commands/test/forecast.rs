@@ -133,7 +133,7 @@ fn simulate(
     like: String,
 ) -> Result<Forecast, Failure> {
     let (cancel, mut annotate) = (AtomicBool::new(false), |_: &Record| String::new());
-    let plan = Plan { cases, bus: "", bit_rate: opened.bus.bit_rate(), seed: 0 };
+    let plan = Plan { cases, bus: "", bit_rate: opened.bus.bit_rate(), seed: 0, shuffle: None };
     let mut bench = Bench::new(opened.bus.as_mut(), target, options, &mut annotate, &cancel);
     let mut rows = Vec::new();
     let summary = run(&mut bench, &plan, &mut |event| {

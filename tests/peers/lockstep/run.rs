@@ -48,7 +48,7 @@ pub fn test(world: &mut World, wanted: &Wanted) -> Result<Value> {
     let (seen, mut told) = (Seen::default(), Told::default());
     let (subject, state) = world.current()?;
     let bit_rate = state.bus.bit_rate();
-    let plan = Plan { cases: &cases, bus: &subject.address, bit_rate, seed: 0 };
+    let plan = Plan { cases: &cases, bus: &subject.address, bit_rate, seed: 0, shuffle: None };
     let target = Target::of(subject.model, subject.node);
     let mut bus = Watched { bus: &mut state.bus, moments: &moments, seen: &seen };
     let mut annotate = |_: &Record| String::new();

@@ -197,7 +197,7 @@ pub fn test(wish: &Wish, surroundings: &Surroundings) -> Result<Tried, String> {
     let target = target(&opened)?;
     let mut provenance = provenance(wish, surroundings, opened.bus.bit_rate(), options_of_test(wish, &target));
     let options = Options { allow: touches(wish), ..Options::default() };
-    let plan = Plan { cases: &cases, bus: &wish.bus, bit_rate: opened.bus.bit_rate(), seed: wish.seed };
+    let plan = Plan { cases: &cases, bus: &wish.bus, bit_rate: opened.bus.bit_rate(), seed: wish.seed, shuffle: None };
     let kept: [Kept; 2] = Default::default();
     let forms = [Form::Html, Form::Json];
     // The report advises the command line of the program, not options of the page.

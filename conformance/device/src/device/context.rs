@@ -31,6 +31,10 @@ pub(super) struct Context {
     pub routes_changed: bool,
     /// Whether the window of synchronous PDOs has closed.
     pub sync_closed: bool,
+    /// Whether the next start of a faulty firmware will fail.
+    pub breaks_next_start: bool,
+    /// Whether the last start of a faulty firmware has failed: the device does not enter operational.
+    pub refuses_operational: bool,
     /// Whether the device sends heartbeats; it then does not answer node guarding.
     pub is_heartbeat_active: bool,
 }
@@ -51,6 +55,8 @@ impl Context {
             events: VecDeque::with_capacity(8),
             routes_changed: false,
             sync_closed: false,
+            breaks_next_start: false,
+            refuses_operational: false,
             is_heartbeat_active: false,
         }
     }

@@ -131,9 +131,15 @@ impl Device {
         self.deliver(now, Event::Started);
         self.find_routes();
         self.deliver(now, Event::Changed);
-        if self.context.has(Fault::NmtStartRefusedInError) {
-            let code = EmcyCode(0x5000);
-            self.context.report(Condition::Hardware { code, register: ErrorRegister::GENERIC.0, bytes: [0; 5] }, true);
+        let failed_before = self.context.refuses_operational;
+        self.context.refuses_operational =
+            std::mem::take(&mut self.context.breaks_next_start) || self.context.has(Fault::NmtStartRefusedInError);
+        let (code, register) = (EmcyCode(0x5000), ErrorRegister::GENERIC.0);
+        if failed_before || self.context.refuses_operational {
+            let hardware = Condition::Hardware { code, register, bytes: [0; 5] };
+            self.context.report(hardware, self.context.refuses_operational);
+        }
+        if self.context.refuses_operational {
             return;
         }
         let objects = &self.context.objects;

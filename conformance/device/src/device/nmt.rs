@@ -122,7 +122,6 @@ fn order(message: Nmt, node: NodeId, phase: Phase, firmware: &Firmware) -> Optio
             return None;
         }
         Command::START if phase == Phase::Stopped && firmware.has(Fault::NmtStartWhenStoppedIgnored) => return None,
-        Command::START if firmware.has(Fault::NmtStartRefusedInError) => return None,
         Command::START => Order::Enter(Phase::Operational),
         Command::STOP => Order::Enter(Phase::Stopped),
         Command::ENTER_PRE_OPERATIONAL => Order::Enter(Phase::PreOperational),
@@ -163,6 +162,9 @@ impl service::Service for NmtSlave {
         let before = self.last.replace(now);
         let too_fast = before.is_some_and(|before| now < before + ONE_COMMAND);
         if too_fast && context.has(Fault::NmtCommandLost) {
+            return;
+        }
+        if message.command == Command::START && context.refuses_operational {
             return;
         }
         if let Some(order) = order(message, node, context.phase, context.firmware()) {

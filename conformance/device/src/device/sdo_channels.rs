@@ -111,7 +111,8 @@ impl Service for SdoChannels {
             }
             Event::Initialise => {
                 self.kept = None;
-                if !context.has(Fault::SdoTransferSurvivesReset) {
+                let is_kept = self.server.is_downloading() && context.has(Fault::SdoOpenDownloadSurvivesReset);
+                if !is_kept && !context.has(Fault::SdoTransferSurvivesReset) {
                     self.server.boot();
                 }
                 self.further.iter_mut().for_each(|channel| channel.server.reset());

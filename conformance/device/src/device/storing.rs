@@ -66,6 +66,8 @@ fn begin(now: Timestamp, command: StoreCommand, context: &mut Context) {
         let network = context.store.network();
         context.store.save_network(StoredNetwork { node_id: Some(UNCONFIGURED), ..network });
     }
+    let breaks_start = if command.is_save() { Fault::StoreBreaksStart } else { Fault::RestoreBreaksStart };
+    context.breaks_next_start |= context.has(breaks_start);
     context.store.begin(done, command, &context.objects.firmware);
 }
 

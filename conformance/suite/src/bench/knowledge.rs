@@ -1,5 +1,6 @@
 //! Facts about the device that the run has found out and need not find out again.
 
+use super::idle::KeptOpen;
 use super::promptness::Promptness;
 use super::state::Heartbeats;
 use crate::verdict::Reason;
@@ -50,6 +51,8 @@ pub(crate) struct Knowledge {
     pub(super) others_known: bool,
     /// The case in which the device left the bus, if it has not come back.
     pub(super) gone: Option<&'static str>,
+    /// The first transfer that the server kept open against the client's abort.
+    pub(super) kept_open: Option<KeptOpen>,
     pub(super) promptness: Promptness,
 }
 

@@ -27,12 +27,14 @@ mod evidence;
 mod features;
 mod foreign;
 mod frames;
+mod idle;
 pub(crate) mod interrupted;
 mod knowledge;
 mod measurement;
 mod nanos;
 pub mod nmt;
 pub mod objects;
+mod open_transfer;
 mod operational;
 pub mod pdo;
 mod presence;
@@ -301,6 +303,7 @@ impl<'a> Bench<'a> {
     /// Ends a case: puts back its changes and returns the contents of its report.
     pub(crate) fn finish(&mut self) -> Remains {
         self.traffic.bear_lost_frames();
+        self.make_server_idle();
         self.restore();
         let (noted, measurements, uses) = self.log.take();
         let emergencies = self.traffic.watch.emergencies().map(|(at, emcy)| format!("EMCY at {at} s: {emcy}"));

@@ -1,6 +1,7 @@
 //! The bus and its traffic: sending and receiving frames, their senders, and how well the tester keeps up.
 
 use super::clients::Clients;
+use super::open_transfer::OpenTransfer;
 use super::watch::Watch;
 use super::{Annotate, Evidence, Exhibit, HOST_LATE, Target};
 use crate::verdict::{Reason, Stop};
@@ -37,6 +38,7 @@ pub(crate) struct Traffic<'a> {
     evidence: Evidence,
     pub(crate) watch: Watch,
     pub(crate) clients: Clients,
+    pub(super) transfer: OpenTransfer,
     /// Whether the tester is putting something back. Otherwise waits end at once when the user cancels.
     pub(super) restoring: bool,
     /// The time of the last frame on the bus.
@@ -66,6 +68,7 @@ impl<'a> Traffic<'a> {
             evidence: Evidence::default(),
             watch: Watch::new(target.node),
             clients: Clients::new(target.node, target.description.as_ref()),
+            transfer: OpenTransfer::new(target.node),
             restoring: false,
             taken_at: Timestamp::ZERO,
             lost_before: None,
@@ -167,6 +170,7 @@ impl<'a> Traffic<'a> {
     /// Hands a frame to the bus.
     pub(super) fn send(&mut self, frame: &Frame) -> Result<Sent, Stop> {
         let at = self.bus.now();
+        self.transfer.on_sent(frame);
         self.bus.send(frame).map_err(|error| broken(&error))?;
         Ok(Sent { at })
     }
@@ -183,6 +187,9 @@ impl<'a> Traffic<'a> {
                 self.taken_at = record.timestamp;
                 if self.clients.observe(&record) && !self.is_own(&record.frame) {
                     self.clients.count(&record);
+                }
+                if record.direction != Direction::Tx && !self.clients.has_answered_others() {
+                    self.transfer.on_answer(&record.frame);
                 }
                 let text = self.annotate.annotate(&record);
                 let recorded = record.clone().at(self.annotate.number(), 0);

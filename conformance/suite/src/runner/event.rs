@@ -50,6 +50,8 @@ pub struct RunInfo {
     pub device: DeviceIdentity,
     /// The seed of everything random in the run.
     pub seed: u64,
+    /// The seed of the order of the cases; `None` if they have their usual order.
+    pub shuffle: Option<u64>,
     /// Number of selected cases.
     pub cases: usize,
     /// The object dictionary before the first case, as far as the bench could read it.

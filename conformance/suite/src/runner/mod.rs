@@ -65,6 +65,9 @@ pub enum RunError {
     Bus(String),
 }
 
+/// The case that judges a server which keeps transfers open.
+const OPEN_TRANSFERS: &str = "301/boot-up/open-transfers";
+
 /// The parameters of a run, besides its bench.
 #[derive(Debug)]
 pub struct Plan<'a> {
@@ -76,6 +79,8 @@ pub struct Plan<'a> {
     pub bit_rate: Option<u32>,
     /// The seed of everything random in the run.
     pub seed: u64,
+    /// The seed of the order of the cases; `None` if they have their usual order.
+    pub shuffle: Option<u64>,
 }
 
 /// Runs the cases of a plan. `report` gets every event.
@@ -102,6 +107,7 @@ pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEv
         model: bench.target().model.clone(),
         device: if asks { identify(bench) } else { DeviceIdentity::default() },
         seed: plan.seed,
+        shuffle: plan.shuffle,
         cases: plan.cases.len(),
         dictionary,
     };
@@ -137,6 +143,9 @@ pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEv
     bench.changes.end_journal(true);
     if let Some(notice) = bench.traffic.fd_notice() {
         report(&RunEvent::Noticed(&notice));
+    }
+    if let Some(kept) = bench.kept_open() {
+        report(&RunEvent::Noticed(&format!("{kept}: {OPEN_TRANSFERS} judges that")));
     }
     if undescribed > 0 {
         report(&RunEvent::Noticed(&without_description(undescribed, info.dictionary.len())));

@@ -198,7 +198,7 @@ mod tests {
         let mut annotate = |_: &Record| String::new();
         let mut bench = Bench::new(&mut bus, &target, options, &mut annotate, &cancel);
         let cases = catalogue::cases();
-        let plan = Plan { cases: &cases, bus: "can0", bit_rate: None, seed: 0 };
+        let plan = Plan { cases: &cases, bus: "can0", bit_rate: None, seed: 0, shuffle: None };
         let (mut ends, mut notices) = (Vec::new(), Vec::new());
         let _ = run(&mut bench, &plan, &mut |event| match event {
             RunEvent::CaseFinished(report) => ends.push((report.verdict.kind(), report.evidence.frames().count())),

@@ -4,6 +4,7 @@
 //! detected if a case that names it fails. A case that fails without naming the fault must belong to the chapter of a
 //! case that names it; otherwise the failing case judges something outside its subject.
 
+pub mod alone;
 mod liberties;
 mod masking;
 pub mod null;
@@ -18,6 +19,7 @@ use crate::catalogue;
 use crate::clause::Level;
 use crate::runner::{CaseReport, run_case};
 use crate::touch::Touch;
+use crate::trial::is_gone;
 use crate::verdict::{Grade, Kind, Reason, Ruled, Verdict};
 use canvass_analyzer::NodeId;
 use canvass_bus::client::Violation;
@@ -159,10 +161,12 @@ pub fn named_by(cases: &[&'static Case]) -> Vec<Fault> {
     named.into_iter().collect()
 }
 
-/// Whether all breaches of a case can show in any case: an abort that names another object than the request.
+/// Whether all breaches of a case can show in any case: an abort that names another object than the request, or a
+/// device that leaves the bus.
 fn shows_anywhere(verdict: &Verdict) -> bool {
-    let is_everywhere =
-        |ruled: &Ruled| matches!(ruled.breach.actual, Observation::Violation(Violation::Multiplexer(_)));
+    let is_everywhere = |ruled: &Ruled| {
+        is_gone(&ruled.breach) || matches!(ruled.breach.actual, Observation::Violation(Violation::Multiplexer(_)))
+    };
     verdict.breaches().iter().filter(|ruled| ruled.kind() == Kind::Fail).all(is_everywhere)
 }
 

@@ -13,6 +13,7 @@ mod restoration;
 mod ruling;
 
 pub(crate) use lateness::doubt;
+pub(crate) use presence::is_gone;
 pub use report::CaseReport;
 
 use crate::bench::{Bench, Remains};

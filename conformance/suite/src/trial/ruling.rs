@@ -1,5 +1,6 @@
 //! The verdict: the remaining breaches are graded, and excused if the device's manual or a waiver announces them.
 
+use super::presence::is_gone;
 use super::{CaseReport, Trial};
 use crate::bench::{Bench, Remains, Target};
 use crate::case::Case;
@@ -30,9 +31,9 @@ fn described_so(bench: &Bench<'_>, case: &Case, verdict: &Verdict) -> Option<Str
 }
 
 /// The breach with its grade. If the standard leaves the behaviour open, the breach is recorded and never fails the
-/// case.
+/// case, except that no device may leave the bus.
 fn graded(breach: Breach, case: &Case) -> Breach {
-    if case.level == Level::Open { breach.open() } else { breach }
+    if case.level == Level::Open && !is_gone(&breach) { breach.open() } else { breach }
 }
 
 /// Excuses a breach that the device's documentation or its user announces, for exactly this case, subject and
@@ -51,6 +52,17 @@ mod tests {
     use crate::verdict::Authority;
     use canvass_analyzer::{Multiplexer, object};
     use canvass_bus::observation::{Observation, Subject};
+
+    /// A run in which the device has left the bus must not pass.
+    #[test]
+    fn a_device_that_leaves_fails_an_open_case_too() {
+        let open = Case { level: Level::Open, ..test_case("test/open", |_| Ok(())) };
+        let grade = |found: &'static str| {
+            graded(Breach::new(Subject::Device, "it stays").found(Observation::named(found)), &open).grade
+        };
+        assert_eq!(grade("the device stopped answering"), Grade::Wrong);
+        assert_eq!(grade("another state"), Grade::Open);
+    }
 
     #[test]
     fn a_documented_breach_is_a_deviation_and_hides_no_other() {

@@ -58,7 +58,7 @@ fn store() -> Row {
 }
 
 fn plan<'a>(cases: &'a [&'static Case]) -> Plan<'a> {
-    Plan { cases, bus: "can0", bit_rate: Some(125_000), seed: 9 }
+    Plan { cases, bus: "can0", bit_rate: Some(125_000), seed: 9, shuffle: None }
 }
 
 /// The result of a run, and its events, each in a few words.

@@ -45,7 +45,7 @@ fn device(sticks: bool) -> impl FnMut(&Frame) -> Vec<(Duration, Frame)> {
 fn compared(sticks: bool) -> (Summary, Comparison) {
     let mut found = None;
     let summary = with_bench(device(sticks), |bench| {
-        let plan = Plan { cases: &[&WRITES], bus: "can 0", bit_rate: None, seed: 0 };
+        let plan = Plan { cases: &[&WRITES], bus: "can 0", bit_rate: None, seed: 0, shuffle: None };
         run(bench, &plan, &mut |event| {
             if let RunEvent::DictionaryCompared(comparison) = event {
                 found = Some((*comparison).clone());

@@ -28,7 +28,7 @@ static RESETS: Case = test_case("test/resets", |bench| {
 fn run_cases(rows: &'static [(&str, &str)], cases: &[&'static Case]) -> (Result<Summary, RunError>, Vec<String>) {
     let mut events = Vec::new();
     let result = with_bench(table(rows), |bench| {
-        let plan = Plan { cases, bus: "sim:test", bit_rate: None, seed: 0 };
+        let plan = Plan { cases, bus: "sim:test", bit_rate: None, seed: 0, shuffle: None };
         run(bench, &plan, &mut |event| match event {
             RunEvent::RunStarted(info) => events.push(format!("{:?}", info.device.device_type)),
             RunEvent::CaseFinished(report) => {
@@ -122,7 +122,7 @@ fn a_restart_soon_after_the_start_is_told_from_a_second_boot_up_message() {
 fn a_run_ends_at_the_first_failure_where_it_shall() {
     let total = |fail_fast, cases: &[&'static Case]| {
         let options = Options { fail_fast, ..Default::default() };
-        let plan = Plan { cases, bus: "sim:test", bit_rate: None, seed: 0 };
+        let plan = Plan { cases, bus: "sim:test", bit_rate: None, seed: 0, shuffle: None };
         let summary = with_options(table(ROWS), &options, |bench| run(bench, &plan, &mut |_| {}));
         summary.map(|summary| (summary.total(), summary.cancelled))
     };
@@ -146,7 +146,7 @@ fn a_device_is_known_by_its_identity() {
     ];
     let mut device = None;
     let _ = with_bench(dictionary(rows), |bench| {
-        let plan = Plan { cases: &[&PASSES], bus: "sim:test", bit_rate: None, seed: 0 };
+        let plan = Plan { cases: &[&PASSES], bus: "sim:test", bit_rate: None, seed: 0, shuffle: None };
         run(bench, &plan, &mut |event| {
             if let RunEvent::RunStarted(info) = event {
                 device = Some(info.device.clone());

@@ -70,7 +70,7 @@ fn judge(peer: Peer, described: bool, begin: &str) -> Outcome {
     let (mut decoder, cancel) = (Decoder::new(&target), AtomicBool::new(false));
     let mut bench = Bench::new(&mut bus, &target, &options, &mut decoder, &cancel);
     let cases: Vec<_> = catalogue::cases().into_iter().filter(|case| case.id.starts_with(begin)).collect();
-    let plan = Plan { cases: &cases, bus: "sim:stack", bit_rate: Some(BIT_RATE), seed: 0 };
+    let plan = Plan { cases: &cases, bus: "sim:stack", bit_rate: Some(BIT_RATE), seed: 0, shuffle: None };
     let (mut reports, mut notices) = (Vec::new(), Vec::new());
     let summary = run(&mut bench, &plan, &mut |event| match event {
         RunEvent::CaseFinished(report) => reports.push((*report).clone()),

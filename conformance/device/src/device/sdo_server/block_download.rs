@@ -26,14 +26,23 @@ pub(super) struct BlockDownload {
     received: u8,
     /// The abort code of a refused download, in a firmware that refuses only at the end.
     refusal: Option<AbortCode>,
+    /// The value that a faulty firmware writes instead.
+    stale: Option<Vec<u8>>,
 }
 
 /// A block download after its last segment.
 #[derive(Clone, Debug)]
 pub(super) struct BlockDownloadEnd(BlockDownload);
 
-/// Handles the initiate request of a block download. `size` is the number of bytes, if the client announced it.
-pub(super) fn initiate(object: Multiplexer, crc: bool, size: Option<u32>, objects: &Objects) -> Next {
+/// Handles the initiate request of a block download. `size` is the number of bytes, if the client announced it; `stale`
+/// is the value that a faulty firmware writes instead.
+pub(super) fn initiate(
+    object: Multiplexer,
+    crc: bool,
+    size: Option<u32>,
+    stale: Option<Vec<u8>>,
+    objects: &Objects,
+) -> Next {
     if objects.has(Fault::SdoBlockDownloadRefused) {
         return Next::abort(object, AbortCode::LENGTH_TOO_LOW);
     }
@@ -54,7 +63,7 @@ pub(super) fn initiate(object: Multiplexer, crc: bool, size: Option<u32>, object
                 block_size,
             };
             let data = Vec::new();
-            let download = BlockDownload { object, crc, size, longest, data, sequence: 0, received: 0, refusal };
+            let download = BlockDownload { object, crc, size, longest, data, sequence: 0, received: 0, refusal, stale };
             Next::answer(Transfer::BlockDownload(download), response)
         }
         Err(code) => Next::abort(object, code),
@@ -116,7 +125,7 @@ impl BlockDownloadEnd {
     pub fn on_end(self, now: Timestamp, unused: u8, crc: u16, objects: &mut Objects) -> Next {
         let firmware = objects.firmware;
         let unused = if firmware.has(Fault::SdoBlockPaddingKept) { 0 } else { unused };
-        let BlockDownload { object, crc: has_crc, size, mut data, refusal, .. } = self.0;
+        let BlockDownload { object, crc: has_crc, size, mut data, refusal, stale, .. } = self.0;
         if let Some(code) = refusal {
             return Next::abort(object, code);
         }
@@ -141,6 +150,10 @@ impl BlockDownloadEnd {
             Some(size) if data.len() > size => return Next::abort(object, AbortCode::LENGTH_TOO_HIGH),
             Some(size) if data.len() < size => return Next::abort(object, AbortCode::LENGTH_TOO_LOW),
             _ => {}
+        }
+        if let Some(mut stale) = stale {
+            stale.resize(data.len(), 0);
+            data = stale;
         }
         match objects.download(now, object, &data) {
             Ok(()) if firmware.has(Fault::SdoBlockEndSilent) => Next::silence(Transfer::Idle),

@@ -83,6 +83,11 @@ const fn is_block_size(block_size: u8) -> bool {
 }
 
 impl BlockUpload {
+    /// The value of the object.
+    pub fn value(&self) -> &[u8] {
+        &self.value
+    }
+
     /// Handles a further message of the client.
     pub fn on_request(self, request: Request) -> Next {
         match (self.stage, request) {

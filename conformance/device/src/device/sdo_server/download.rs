@@ -103,6 +103,9 @@ impl SegmentedDownload {
             self.toggle = !segment.toggle;
             // A firmware that checks no length keeps its own buffer, and drops surplus bytes.
             self.data.truncate(self.longest.max(8));
+            if objects.has(Fault::SdoDownloadSegmentUnconfirmed) {
+                return Next::silence(Transfer::Download(self));
+            }
             return Next::answer(Transfer::Download(self), confirm);
         }
         let short = self.size.is_some_and(|size| self.data.len() < size);

@@ -6,6 +6,7 @@
 mod block_download;
 mod block_upload;
 mod download;
+mod history;
 mod upload;
 
 use super::chance::Chance;
@@ -19,6 +20,7 @@ use canvass_analyzer::wire::sdo::{AbortCode, BlockSegment, Expedited, Payload, R
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_traces::{CanId, Duration, Frame, Timestamp};
 use download::SegmentedDownload;
+use history::History;
 use std::collections::VecDeque;
 use upload::SegmentedUpload;
 
@@ -38,6 +40,7 @@ pub(super) struct SdoServer {
     refused: Option<[u8; 4]>,
     /// Whether a block download with CRC has begun since boot-up.
     had_crc: bool,
+    history: History,
     /// Whether a request was received since boot-up.
     began: bool,
     /// Number of requests since boot-up.
@@ -115,6 +118,7 @@ impl SdoServer {
             stale: Multiplexer::new(0, 0),
             refused: None,
             had_crc: false,
+            history: History::default(),
             began: false,
             requests: 0,
             wedged: false,
@@ -134,9 +138,15 @@ impl SdoServer {
         self.reset();
         self.refused = None;
         self.had_crc = false;
+        self.history = History::default();
         self.began = false;
         self.requests = 0;
         self.wedged = false;
+    }
+
+    /// Whether a segmented download is open.
+    pub const fn is_downloading(&self) -> bool {
+        matches!(self.transfer, Transfer::Download(_))
     }
 
     /// Time of the next event: an answer is ready, or the transfer expires.
@@ -179,6 +189,16 @@ impl SdoServer {
     /// Handles a request outside a block. A request that begins a transfer ends the open transfer.
     fn on_request(&mut self, now: Timestamp, transfer: Transfer, request: Request, objects: &mut Objects) -> Next {
         let firmware = &objects.firmware;
+        let request = self.history.taken(request, firmware);
+        if let Transfer::Download(_) = transfer
+            && let Some(object) = request.multiplexer().filter(|_| !matches!(request, Request::Abort(_)))
+            && firmware.has(Fault::SdoOpenDownloadSurvivesReset)
+        {
+            return Next::answer(transfer, Response::abort(object, AbortCode::LOCAL_CONTROL));
+        }
+        if let Some(refused) = self.history.begin(&request, firmware) {
+            return refused;
+        }
         let is_busy = match transfer {
             Transfer::Idle => false,
             Transfer::Upload(_) => firmware.has(Fault::SdoBusyAfterAbandonedTransfer),
@@ -199,7 +219,8 @@ impl SdoServer {
             Request::InitiateBlockDownload { multiplexer, crc, size } if self.blocks => {
                 self.had_crc |= crc;
                 let kept = self.had_crc && objects.has(Fault::SdoBlockCrcKept);
-                block_download::initiate(multiplexer, crc || kept, size, objects)
+                let stale = self.history.take_block();
+                block_download::initiate(multiplexer, crc || kept, size, stale, objects)
             }
             Request::Abort(abort) if objects.has(Fault::SdoAbortAnswered) => {
                 Next::abort(abort.multiplexer, AbortCode::GENERAL)
@@ -210,14 +231,29 @@ impl SdoServer {
             {
                 Next::silence(transfer)
             }
+            Request::Abort(_)
+                if matches!(&transfer, Transfer::BlockDownload(download) if !download.has_begun())
+                    && firmware.has(Fault::SdoFirstBlockAbortIgnored) =>
+            {
+                Next::silence(transfer)
+            }
             Request::Abort(_) if firmware.has(Fault::SdoAbortIgnored) => Next::silence(transfer),
             Request::Abort(_) => Next::silence(Transfer::Idle),
             request => match (transfer, request) {
-                (Transfer::Upload(upload), Request::UploadSegment { toggle }) => upload.on_request(toggle, objects),
+                (Transfer::Upload(upload), Request::UploadSegment { toggle }) => {
+                    let next = upload.on_request(toggle, objects);
+                    self.history.uploaded(&next);
+                    next
+                }
                 (Transfer::Download(download), Request::DownloadSegment(segment)) => {
                     download.on_segment(now, segment, objects)
                 }
-                (Transfer::BlockUpload(upload), request) => upload.on_request(request),
+                (Transfer::BlockUpload(upload), request) => {
+                    if request == Request::EndBlockUpload {
+                        self.history.block_uploaded(upload.value(), firmware);
+                    }
+                    upload.on_request(request)
+                }
                 (Transfer::BlockDownloadEnd(end), Request::EndBlockDownload { unused, crc }) => {
                     end.on_end(now, unused, crc, objects)
                 }
@@ -282,6 +318,7 @@ impl SdoServer {
         self.transfer = next.transfer;
         self.expires = match self.transfer {
             Transfer::Idle => Timestamp::MAX,
+            Transfer::Download(_) if objects.has(Fault::SdoOpenDownloadSurvivesReset) => Timestamp::MAX,
             _ => now + self.timing.sdo_timeout(),
         };
         let due = self.due(now, objects);

@@ -3,6 +3,7 @@
 mod acting;
 mod blocks;
 mod described;
+mod idle;
 mod left;
 mod memory;
 mod messages;

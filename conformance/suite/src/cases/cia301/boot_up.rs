@@ -158,7 +158,7 @@ fn no_sdo_before(bench: &mut Bench<'_>) -> Judged {
 ///
 /// 1F80h is an object of CiA 302-2, whose text is not public; CiA 301, 7.3.2.1, allows the start by local control.
 #[case(id = "301/boot-up/self-start", clause = "CiA 302-2", confidence = Unknown, level = Must,
-       needs = [StartUp, Store, VisibleState], touches = [Nvm], catches = [StartUpIgnored])]
+       needs = [StartUp, Store, VisibleState], touches = [Nvm], catches = [StoreBreaksStart, StartUpIgnored])]
 fn self_start(bench: &mut Bench<'_>) -> Judged {
     const START_UP: Multiplexer = Multiplexer::new(object::NMT_STARTUP, 0);
     const STORE: Multiplexer = Multiplexer::new(object::STORE_PARAMETERS, 1);

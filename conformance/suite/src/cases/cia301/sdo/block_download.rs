@@ -355,7 +355,7 @@ fn block_ends(bench: &mut Bench<'_>) -> Judged {
 /// An abort of the client ends a block download in each phase: before the first segment, within a block, before the
 /// end. The server does not answer it, the object keeps its value, and the next transfer works.
 #[case(id = "301/sdo/block-download/client-abort", clause = "CiA 301 7.2.4.3.17", confidence = Cited, level = Must,
-       needs = [BlockDownload], catches = [SdoAbortAnswered, SdoBlockAbortIgnored])]
+       needs = [BlockDownload], catches = [SdoFirstBlockAbortIgnored, SdoAbortAnswered, SdoBlockAbortIgnored])]
 fn client_abort(bench: &mut Bench<'_>) -> Judged {
     let scratch = subject(bench)?;
     let multiplexer = scratch.multiplexer;

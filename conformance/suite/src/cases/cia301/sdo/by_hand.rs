@@ -36,7 +36,7 @@ pub(in crate::cases::cia301) fn begin_upload(bench: &mut Bench<'_>, multiplexer:
 }
 
 /// Starts a segmented download to a scratch object, and announces the object's length.
-pub(super) fn begin_download(bench: &mut Bench<'_>, scratch: &Scratch) -> Judged {
+pub(in crate::cases::cia301) fn begin_download(bench: &mut Bench<'_>, scratch: &Scratch) -> Judged {
     let multiplexer = scratch.multiplexer;
     bench.write(multiplexer, &scratch.value)?;
     let payload = Payload::Segmented(u32::try_from(scratch.value.len()).unwrap_or(u32::MAX));

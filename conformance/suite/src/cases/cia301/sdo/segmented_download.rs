@@ -67,7 +67,8 @@ fn client_abort(bench: &mut Bench<'_>) -> Judged {
 
 /// The confirmation of a download segment has the toggle bit of the segment, which alternates beginning with 0.
 #[case(id = "301/sdo/download/confirmation-toggle", clause = "CiA 301 7.2.4.3.4", confidence = Cited, level = Must,
-       needs = [ScratchObject, SegmentedDownload], catches = [SdoConfirmationToggleStuck])]
+       needs = [ScratchObject, SegmentedDownload],
+       catches = [SdoDownloadSegmentUnconfirmed, SdoConfirmationToggleStuck])]
 fn confirmation_toggle(bench: &mut Bench<'_>) -> Judged {
     let scratch = bench.scratch(&[4, 2])?;
     begin_download(bench, &scratch)?;
@@ -115,7 +116,7 @@ fn announced_size_wrong(bench: &mut Bench<'_>) -> Judged {
 
 /// The server answers a segment without data in the middle of a download, by a confirmation or an abort.
 #[case(id = "301/sdo/download/empty-segment", clause = "CiA 301 7.2.4.3.4", confidence = Cited, level = Should,
-       needs = [ScratchObject, SegmentedDownload], catches = [SdoEmptySegmentSilent])]
+       needs = [ScratchObject, SegmentedDownload], catches = [SdoDownloadSegmentUnconfirmed, SdoEmptySegmentSilent])]
 fn empty_segment(bench: &mut Bench<'_>) -> Judged {
     let scratch = bench.scratch(&[4, 2])?;
     begin_download(bench, &scratch)?;
@@ -156,7 +157,7 @@ fn segmented_missing(bench: &mut Bench<'_>) -> Judged {
 /// Strings of 1 to 8 and 13 to 15 bytes can be written by segmented download and read back byte for byte; these lengths
 /// lie around the ends of segments.
 #[case(id = "301/sdo/download/segment-ends", clause = "CiA 301 7.2.4.3.4", confidence = Cited, level = Must,
-       needs = [LongScratch], catches = [SdoSegmentLengthWrong, SdoUploadEndMissing])]
+       needs = [LongScratch], catches = [SdoDownloadSegmentUnconfirmed, SdoSegmentLengthWrong, SdoUploadEndMissing])]
 fn segment_ends(bench: &mut Bench<'_>) -> Judged {
     let multiplexer = bench.long_scratch()?;
     let mut taken = 0;

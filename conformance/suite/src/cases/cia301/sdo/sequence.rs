@@ -17,7 +17,8 @@ const ERROR_REGISTER: Multiplexer = Multiplexer::new(object::ERROR_REGISTER, 0);
 
 /// A new request ends a download in progress: the server answers the request, and the object keeps its value.
 #[case(id = "301/sdo/transfer/abandoned-download", clause = "CiA 301 7.2.4.3.2", confidence = Cited, level = Must,
-       needs = [ScratchObject, SegmentedDownload], catches = [SdoBusyAfterAbandonedDownload, SdoSegmentsWrittenAtOnce])]
+       needs = [ScratchObject, SegmentedDownload],
+       catches = [SdoOpenDownloadSurvivesReset, SdoBusyAfterAbandonedDownload, SdoSegmentsWrittenAtOnce])]
 fn abandoned_download(bench: &mut Bench<'_>) -> Judged {
     let scratch = bench.scratch(&[4, 2])?;
     for circumstance in ["in the middle of a segmented download", "in the middle of a second segmented download"] {
