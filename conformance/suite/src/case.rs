@@ -60,7 +60,7 @@ impl Case {
     }
 
     /// Whether the case may lose the device. Such cases run last.
-    pub(crate) fn can_lose_the_device(&self) -> bool {
+    pub fn can_lose_the_device(&self) -> bool {
         self.touches.iter().any(|touch| touch.can_lose_the_device())
     }
 

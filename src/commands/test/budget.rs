@@ -43,6 +43,8 @@ pub fn affordable(args: &Args, cases: Vec<&'static Case>, options: &Options) -> 
     if let Some(span) = args.span {
         chosen = fitting(&by_benefit(&chosen), span, args.repeat);
     }
+    // Cases that can lose the device are the last ones of every run.
+    chosen.sort_by_key(|timed| timed.case.can_lose_the_device());
     let told = told(&timed, &chosen);
     Ok(Affordable { cases: chosen.iter().map(|timed| timed.case).collect(), told: Some(told) })
 }

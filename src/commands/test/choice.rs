@@ -27,7 +27,7 @@ pub struct CaseChoice {
     shard: Option<Shard>,
     /// Run the cases in a random order of this seed: the verdicts must be the same (cases that can lose the device stay
     /// last)
-    #[arg(long, value_name = "SEED")]
+    #[arg(long, value_name = "SEED", conflicts_with_all = ["span", "profile"])]
     pub shuffle: Option<u64>,
 }
 

@@ -120,6 +120,7 @@ fn options_of_test(wish: &Wish, target: &Target) -> Vec<Choice> {
         given("exclude", []),
         given("failed-from", []),
         given("shard", []),
+        given("shuffle", []),
         allowed(wish),
         given("waivers", []),
         usual("repeat", ["1"]),
