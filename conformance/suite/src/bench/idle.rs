@@ -72,8 +72,8 @@ impl Bench<'_> {
     /// needed beyond an abort of the client is kept for the report of the run.
     pub(crate) fn make_server_idle(&mut self) {
         let Some(object) = self.traffic.transfer.suspect().filter(|_| !self.knowledge.has_gone()) else { return };
-        // Without the bus nothing can be ended; the next case reports that.
-        let Ok(cure) = self.uncancelled(|bench| bench.unjudged(|bench| bench.end_transfer(object))) else { return };
+        // Without the bus nothing can be ended; the next case reports that. When the run ends, the device is reset anyway.
+        let Ok(Some(cure)) = self.uncancelled(|bench| bench.unjudged(|bench| bench.end_transfer(object))) else { return };
         if cure != Cure::Abort {
             let kept = KeptOpen { object, cure };
             self.note(kept.to_string());
@@ -81,37 +81,44 @@ impl Bench<'_> {
         }
     }
 
-    fn end_transfer(&mut self, object: Multiplexer) -> Result<Cure, Stop> {
+    /// Ends the transfer; `None` if the run ends before that: what takes seconds is not tried then.
+    fn end_transfer(&mut self, object: Multiplexer) -> Result<Option<Cure>, Stop> {
         if self.aborts(object)? {
-            return Ok(Cure::Abort);
+            return Ok(Some(Cure::Abort));
+        }
+        if self.is_cancelled() {
+            return Ok(None);
         }
         // In stopped a server must not answer.
         self.command(Command::ENTER_PRE_OPERATIONAL)?;
         self.listen(self.timing().reaction)?;
         if self.aborts(object)? {
-            return Ok(Cure::Abort);
+            return Ok(Some(Cure::Abort));
         }
         if self.knowledge.kept_open.as_ref().is_some_and(|kept| kept.cure == Cure::Nothing) {
-            return Ok(Cure::Nothing);
+            return Ok(Some(Cure::Nothing));
         }
         // This segment is not the last one, so nothing is written.
         let segment = BlockSegment { sequence: 1, last: false, data: [0; 7] };
         self.send(&segment.to_frame(sdo::REQUEST_BASE + u16::from(self.node().raw())))?;
         if self.aborts(object)? {
-            return Ok(Cure::Segment);
+            return Ok(Some(Cure::Segment));
         }
         // A device that does not start is looked for before the next case.
         let _ = self.reset(Command::RESET_NODE);
         if self.aborts(object)? {
-            return Ok(Cure::Reset);
+            return Ok(Some(Cure::Reset));
         }
         for _ in 0..WAITS {
+            if self.is_cancelled() {
+                return Ok(None);
+            }
             self.listen(SERVER_TIMEOUT)?;
             if self.serves()? {
-                return Ok(Cure::Silence);
+                return Ok(Some(Cure::Silence));
             }
         }
-        Ok(Cure::Nothing)
+        Ok(Some(Cure::Nothing))
     }
 
     /// Aborts the transfer; returns whether the server then serves a request.
