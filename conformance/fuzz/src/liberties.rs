@@ -6,7 +6,8 @@ use super::detection::fuzz;
 use super::generate::Target;
 use canvass_device::models::Model;
 use canvass_device::{Liberties, Liberty};
-use canvass_suite::selftest::{Dice, in_parallel};
+use canvass_suite::dice::Dice;
+use canvass_suite::selftest::{in_parallel, random_liberties};
 use canvass_suite::touch::Touch;
 use std::collections::BTreeSet;
 
@@ -82,7 +83,7 @@ pub fn run(chance: Chance) -> Result<Sparing, FuzzError> {
         0 => Vec::new(),
         _ => Liberty::ALL.iter().copied().map(Liberties::from).collect(),
     };
-    let combined: Vec<Liberties> = (0..chance.combinations).map(|_| dice.liberties()).collect();
+    let combined: Vec<Liberties> = (0..chance.combinations).map(|_| random_liberties(&mut dice)).collect();
     let rows = |sets: &[Liberties]| -> Result<Vec<FuzzedLiberties>, FuzzError> {
         let numbered: Vec<(u64, Liberties)> = (chance.seed..).zip(sets.iter().copied()).collect();
         in_parallel(&numbered, |(seed, liberties)| row(*liberties, *seed, chance.exchanges))

@@ -1,8 +1,8 @@
 //! All cases, and their selection.
 
 use crate::case::Case;
+use crate::dice::Dice;
 use crate::glob;
-use crate::selftest::Dice;
 use std::fmt;
 use std::str::FromStr;
 

@@ -16,6 +16,7 @@ mod cases;
 pub mod catalogue;
 pub use canvass_analyzer::clause;
 pub mod comparison;
+pub mod dice;
 pub mod foreign;
 pub mod glob;
 pub mod identity;

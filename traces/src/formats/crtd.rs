@@ -26,7 +26,7 @@ const SNIFF_LINES: usize = 20;
 
 pub(crate) fn sniff(head: &[u8]) -> bool {
     let mut lines = head_lines(head).take(SNIFF_LINES).map(|(line, _)| line.trim_ascii());
-    lines.any(|line| record(line).is_ok_and(|(_, record)| record.is_some()))
+    lines.any(|line| record(line).is_ok())
 }
 
 pub(crate) fn open(source: Source, _options: &ReadOptions) -> Box<dyn Reader> {

@@ -73,7 +73,9 @@ impl Bench<'_> {
     pub(crate) fn make_server_idle(&mut self) {
         let Some(object) = self.traffic.transfer.suspect().filter(|_| !self.knowledge.has_gone()) else { return };
         // Without the bus nothing can be ended; the next case reports that. When the run ends, the device is reset anyway.
-        let Ok(Some(cure)) = self.uncancelled(|bench| bench.unjudged(|bench| bench.end_transfer(object))) else { return };
+        let Ok(Some(cure)) = self.uncancelled(|bench| bench.unjudged(|bench| bench.end_transfer(object))) else {
+            return;
+        };
         if cure != Cure::Abort {
             let kept = KeptOpen { object, cure };
             self.note(kept.to_string());

@@ -4,6 +4,7 @@
 use super::{in_parallel, judge, judge_hearing, judge_knowing, node_of};
 use crate::bench::{Knowledge, Target};
 use crate::case::Case;
+use crate::dice::Dice;
 use crate::verdict::{Kind, Reason, Verdict};
 use canvass_device::models::Model;
 use canvass_device::{Fault, Faults, Firmware, Liberties, Liberty};
@@ -81,13 +82,15 @@ impl Sparing {
 /// Runs the cases on the liberties, and on the faults combined with liberties.
 pub(super) fn run(cases: &[&'static Case], faults: &[Fault], chance: Chance) -> Sparing {
     let mut dice = Dice::new(chance.seed);
-    let combinations: Vec<Liberties> = (0..chance.combinations).map(|_| dice.liberties()).collect();
+    let combinations: Vec<Liberties> = (0..chance.combinations).map(|_| random_liberties(&mut dice)).collect();
     let alone: Vec<Liberties> = Liberty::ALL.iter().copied().map(Liberties::from).collect();
     let rows = |sets: &[Liberties]| {
         in_parallel(sets, |set| row(*set, cases)).into_iter().flatten().collect::<Vec<LibertyRow>>()
     };
-    let beside: Vec<(Fault, Vec<Liberties>)> =
-        faults.iter().map(|fault| (*fault, (0..chance.beside_faults).map(|_| dice.liberties()).collect())).collect();
+    let beside: Vec<(Fault, Vec<Liberties>)> = faults
+        .iter()
+        .map(|fault| (*fault, (0..chance.beside_faults).map(|_| random_liberties(&mut dice)).collect()))
+        .collect();
     let found = in_parallel(&beside, |(fault, sets)| beside_liberties(*fault, sets, cases));
     Sparing {
         alone: rows(&alone),
@@ -227,29 +230,9 @@ fn finds(case: &Case, verdict: &Verdict) -> bool {
     matches!(verdict.kind(), Kind::Fail | Kind::Error) || super::records(case, verdict)
 }
 
-/// Pseudo-random numbers (SplitMix64).
-#[derive(Clone, Debug)]
-pub struct Dice(u64);
-
-impl Dice {
-    /// Starts the sequence of this seed: equal seeds give equal numbers.
-    pub const fn new(seed: u64) -> Self {
-        Self(seed)
-    }
-
-    /// The next number of the sequence.
-    pub(crate) fn next(&mut self) -> u64 {
-        self.0 = self.0.wrapping_add(0x9E37_79B9_7F4A_7C15);
-        let mut mixed = self.0;
-        mixed = (mixed ^ mixed >> 30).wrapping_mul(0xBF58_476D_1CE4_E5B9);
-        mixed = (mixed ^ mixed >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
-        mixed ^ mixed >> 31
-    }
-
-    /// A random combination of [`Chance::TOGETHER`] liberties.
-    pub fn liberties(&mut self) -> Liberties {
-        let count = Liberty::ALL.len() as u64;
-        let drawn = (0..Chance::TOGETHER).filter_map(|_| Liberty::ALL.get((self.next() % count) as usize).copied());
-        drawn.collect()
-    }
+/// A random combination of [`Chance::TOGETHER`] liberties.
+pub fn random_liberties(dice: &mut Dice) -> Liberties {
+    let count = Liberty::ALL.len() as u64;
+    let drawn = (0..Chance::TOGETHER).filter_map(|_| Liberty::ALL.get((dice.next() % count) as usize).copied());
+    drawn.collect()
 }

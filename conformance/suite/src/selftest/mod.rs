@@ -10,7 +10,7 @@ mod masking;
 pub mod null;
 pub mod wire;
 
-pub use liberties::{Chance, Dice, LibertyRow, Sparing};
+pub use liberties::{Chance, LibertyRow, Sparing, random_liberties};
 pub use masking::{Masked, Masking};
 
 use crate::bench::{Bench, Knowledge, Options, Target};

@@ -2,7 +2,8 @@
 
 use super::Sample;
 use crate::bench::Target;
-use crate::selftest::{Dice, node_of};
+use crate::dice::Dice;
+use crate::selftest::node_of;
 use canvass_device::models::Model;
 use canvass_device::{Fault, Faults, Firmware};
 use std::fmt;

@@ -100,7 +100,7 @@ fn row(subject: Subject, cases: &[&'static Case], shuffled: &[&'static Case], ex
     let mut row = AloneRow { subject, cases: cases.len(), explained: Vec::new(), unexplained: Vec::new() };
     for (order, cases) in [(Order::Usual, cases), (Order::Shuffled, shuffled)] {
         let mut together = Outcomes::new();
-        // The shaft of one device either rests or turns.
+        // One device either rests or moves.
         for moving in [false, true] {
             let some: Vec<_> = cases.iter().copied().filter(|case| case.needs_motion() == moving).collect();
             run_on(subject, &target, &some, &mut together);

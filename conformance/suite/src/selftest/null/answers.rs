@@ -1,7 +1,7 @@
 //! The reactions of a null device to frames.
 
 use super::NullDevice;
-use crate::selftest::Dice;
+use crate::dice::Dice;
 use canvass_analyzer::wire::error_control::{self, ErrorControl};
 use canvass_analyzer::wire::layer_setting::{ConfigureCommand, MASTER_CAN_ID, SLAVE_CAN_ID};
 use canvass_analyzer::wire::nmt::{self, Nmt};

@@ -14,10 +14,10 @@ pub use filter::{Filter, LATE, Tally};
 pub use mutant::{Change, FieldChange, FrameChange, Mutant, When};
 pub use primitive::Primitive;
 
-use super::liberties::Dice;
 use super::{chapter, in_parallel, judge_machine, node_of};
 use crate::bench::{Knowledge, Target};
 use crate::case::Case;
+use crate::dice::Dice;
 use crate::glob;
 use crate::verdict::{Allowed, Breach, Kind, Verdict};
 use canvass_analyzer::Service;
