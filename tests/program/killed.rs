@@ -19,7 +19,8 @@ const DEVICES: u64 = 10;
 /// For the other runs, the moment counts from the beginning of the first case.
 const AT_ANY_MOMENT: u64 = 7;
 
-/// Objects with values that are not stored, one of each kind: communication, PDO, application, limited, text.
+/// Objects that get a new value without being stored: communication parameters (1017h, 1006h, 1016h:01), a parameter
+/// of a PDO, and an application object with limits (2041h).
 const AT_WORK: [(&str, &str); 5] =
     [("1017", "1000"), ("1800:05", "500"), ("1006", "20000"), ("2041", "321"), ("1016:01", "6619236")];
 

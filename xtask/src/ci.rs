@@ -171,7 +171,7 @@ fn lints() -> Result<()> {
     run("cargo", &clippy.concat())
 }
 
-/// Checks that the optional features of these two crates can be switched off.
+/// Checks that `canvass` and `canvass-bus` compile without their optional features.
 fn without_features() -> Result<()> {
     run("cargo", &["check", "--package", "canvass", "--package", "canvass-bus", "--no-default-features", "--locked"])
 }

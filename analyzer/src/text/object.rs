@@ -86,8 +86,8 @@ impl<'a> Object<'a> {
         ValueText { bytes, object: self, scale: None }
     }
 
-    /// The value in the first bytes: as many bytes as the type of the object has. For an SDO without a length, or a
-    /// PDO.
+    /// The value in the first bytes, in the length of the object's data type; further bytes are ignored. If the type has
+    /// no fixed length, all bytes are the value. Used for SDO values without a size, and for PDOs.
     pub fn leading<'v>(&'v self, bytes: &'v [u8]) -> ValueText<'v> {
         let length = self.data_type().and_then(DataType::bytes).unwrap_or(bytes.len());
         self.value(&bytes[..length.min(bytes.len())])

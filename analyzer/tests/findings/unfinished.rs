@@ -171,7 +171,8 @@ fn a_node_that_is_left_stopped() {
     started.only(&[]);
 }
 
-/// A node that goes on sending is not stopped: its disobedience is reported.
+/// A node that still sends PDOs after the stop command is reported for PDOs outside operational, and not as left
+/// stopped.
 #[test]
 fn a_node_whose_pdos_go_on_is_not_stopped() {
     let mut traffic = stopped("000#0202", "04");

@@ -64,8 +64,9 @@ struct Condition {
 pub(super) enum Pace {
     /// The sequence begins with a start. After each frame there is enough time for a forbidden answer to be seen.
     Careful,
-    /// On a live device the sequence begins in the state that the last sequence has left, if this state is known. The
-    /// next frame follows at once if a forbidden answer would come before the answer to the next frame.
+    /// On a live device the sequence begins in the state that the last sequence has left, if this state is known. If the
+    /// device answers in the order of the frames, the fuzzer does not wait for silence but sends the next frame at once:
+    /// a forbidden answer shows, because it comes before the answer to the next frame.
     Swift,
 }
 

@@ -65,8 +65,8 @@ fn one_of_several_codes() {
     spared(Liberty::LengthBeforeCrc, &lengths);
 }
 
-/// Strings that are arrays have a fixed length. A case that needs other lengths is not applicable; a case that needs
-/// any length uses this one.
+/// A device may accept only one length for a string. Cases that need other lengths are then not applicable; cases
+/// that can work with any length use the accepted one.
 #[test]
 fn a_string_may_have_one_length() {
     let fits = ["301/sdo/block-download/block-ends", "301/sdo/block-download/complete"];

@@ -66,10 +66,10 @@ impl Diagnosing {
         Ok(Self { in_order: diagnosis::Reading::new(diagnosis, None), is_damaged: false })
     }
 
-    /// Passes the latest item of the capture to the diagnosis, which takes the record out of `reading`.
+    /// Passes the latest item of the capture to the diagnosis. A record is moved out of `reading`.
     ///
     /// # Errors
-    /// If the diagnosis can't write its temporary file, which it has only for a page.
+    /// The errors of `diagnosis::Reading`. They come from the temporary file of an HTML report, which is not made here.
     pub fn take(&mut self, seen: Seen, reading: &mut Reading) -> Result<(), ScanError> {
         self.is_damaged |= seen != Seen::Record;
         if seen == Seen::Damage {

@@ -1,4 +1,4 @@
-//! The breaches of a case, and the reason why the case did not reach its end, in the words and data of all reports.
+//! The texts and values that all reports show for a breach, and for the reason why a case ended early.
 
 use canvass_suite::runner::CaseReport;
 use canvass_suite::verdict::{Authority, Excuse, Kind, Reason, Ruled};

@@ -5,7 +5,8 @@ use canvass_traces::{Damage, DamageKind, Format};
 
 /// Number of random values that replace each byte, in addition to values that make comments and line ends.
 const TRIED: usize = 4;
-/// Maximum number of damaged bytes in a sample, evenly distributed.
+/// Maximum number of places in a sample at which a byte is damaged, one place at a time. The places are spread over
+/// the sample.
 const PLACES: usize = 1_200;
 
 /// The number of lost frames that a damage explains: any number if the file ends there, or the damage compares counts.

@@ -23,7 +23,8 @@ fn short_numbers_after_frames_are_no_frames() {
 
 const ID_BYTES: [&str; 2] = ["605 40 00 10 00 00 00 00 00", "585 43 00 10 00 92 01 02 00"];
 
-/// Lines that go on in the next one: their ends are told, and the numbers do not become decimal.
+/// A frame that is wrapped to the next line: the remainder is reported as damage, and the numbers are still read as
+/// hexadecimal.
 #[test]
 fn wrapped_lines_do_not_change_the_radix() {
     let whole = "605 40 00 10 00 00 00 00 00\n585 43 00 10 00 92 01 02 00\n181 05 06 07 08\n705 05\n";

@@ -127,7 +127,7 @@ fn prompt(program: &str) -> Command {
     command
 }
 
-/// Runs the device after all other work.
+/// Runs the device at the lowest priority, so that it is late while other work needs the processor.
 fn starved(program: &str) -> Command {
     let mut command = Command::new("nice");
     command.args(["-n", "19", program]);

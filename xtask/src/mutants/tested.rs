@@ -82,7 +82,7 @@ impl Programs {
         for program in &self.0 {
             named.extend(program.names()?.into_iter().map(|name| (program, name)));
         }
-        eprintln!("{} tests without a mutant", named.len());
+        eprintln!("running {} tests without a mutant, to learn their duration and the places they reach", named.len());
         let limit = Duration::from_secs(within.unwrap_or(3600));
         let tests = parallel::each(&named, 200, |(program, name)| Test::measured(program, name, limit))?;
         let mut tests: Vec<Test<'_>> = tests.into_iter().flatten().collect();

@@ -55,7 +55,7 @@ pub fn prepare() -> Result<()> {
 /// # Errors
 /// If the words are not a module and a folder, or the JavaScript can't be made.
 pub fn bind(words: &[String]) -> Result<()> {
-    let [wasm, folder] = words else { bail!("expected a module and a folder") };
+    let [wasm, folder] = words else { bail!("web-bind: expected the WebAssembly module and the output folder, found {words:?}") };
     bind::bind(wasm, folder)
 }
 

@@ -72,7 +72,7 @@ fn interrupted(prefix: &Prefix, program: &str, report: &Path) -> Result<Interrup
     let begun = Instant::now();
     while !is_running() {
         if let Some(status) = running.try_wait()? {
-            bail!("expected a run, which ended with {status} before anything was pressed: {}", told());
+            bail!("the run ended with {status} before Ctrl-C was pressed; its output: {}", told());
         }
         if begun.elapsed() > BEGIN {
             running.kill()?;

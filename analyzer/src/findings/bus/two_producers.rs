@@ -13,7 +13,7 @@ use canvass_traces::Duration;
 /// Two times differ if they are further apart than the period divided by this number.
 const NEAR: u64 = 20;
 
-/// Effects of two producers of SYNC or TIME.
+/// Rules whose findings follow from two producers of SYNC, TIME or a TPDO.
 const EFFECTS: &[Effect] = &[
     Effect::on(&["pdo/sync-counter", "pdo/sync-jitter", "pdo/sync-missing"]),
     Effect::on(&["pdo/sync-pdo-missing", "pdo/sync-window", "pdo/time-jump"]),

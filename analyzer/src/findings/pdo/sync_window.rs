@@ -8,8 +8,8 @@ use canvass_traces::Duration;
 /// a synchronous PDO comes outside the synchronous window
 ///
 /// A synchronous TPDO (transmission type 0 to 240) comes later after SYNC than the synchronous window length (1007h) of
-/// its node allows. The rule needs SDO traffic that shows both. The time that the PDO itself occupies the bus is not
-/// counted.
+/// its node allows. The rule needs SDO traffic that shows the transmission type and 1007h. The time that the PDO itself
+/// occupies the bus is not counted.
 ///
 /// # Why
 /// Consumers whose window is over discard the PDO or use it in the next cycle. The node should not have sent it.

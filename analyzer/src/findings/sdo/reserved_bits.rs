@@ -43,7 +43,7 @@ struct Channel {
 enum Fault {
     /// Reserved bits of the command byte are set; the number has these bits.
     Bits(u8),
-    /// Unused bytes are counted, although the message has no expedited value with a size.
+    /// The field for the number of unused bytes is not 0, although the message has no expedited value with a size.
     Unused,
     /// Bytes 4 to 7 are not 0, although the message has neither a value nor a size.
     Value,

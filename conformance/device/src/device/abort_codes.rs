@@ -1,4 +1,5 @@
-//! The abort codes of a firmware: a wrong code, or one of several codes that the standard allows for the same reason.
+//! Abort codes of firmware: a fault replaces the right code by a wrong one, and a liberty replaces it by another code
+//! that the standard allows for the same reason.
 
 use crate::{Fault, Firmware, Liberty};
 use canvass_analyzer::wire::sdo::AbortCode;

@@ -243,7 +243,7 @@ impl Device {
         }
     }
 
-    /// Applies the stored node-ID and bit rate at reset node.
+    /// Applies the stored node-ID, or the delivered node-ID if none is stored.
     fn take_stored_node_id(&mut self) {
         let super::Context { objects, store, .. } = &self.context;
         let stored = match objects.model.sheet().network.node_id_object {

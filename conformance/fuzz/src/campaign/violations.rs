@@ -129,8 +129,8 @@ impl Campaign<'_> {
         Ok((confirmed, tree, is_whole))
     }
 
-    /// Reports a violation. A violation seen at the swift pace that does not come back and may have been a late answer
-    /// to another frame is only counted at first.
+    /// Reports a violation. At the swift pace a late answer to another frame can look like a violation: if a repetition
+    /// does not show it again, it is reported at its third occurrence (`MOST_DOUBTS`), and before that only counted.
     pub(super) fn tell(&mut self, found: Found, doubts: u32, is_swift: bool) {
         let key = (found.violation.property, found.violation.rule);
         if !found.confirmed && is_swift && doubts + 1 < MOST_DOUBTS && self.may_be_mixed_up(&found.violation) {

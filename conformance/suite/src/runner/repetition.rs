@@ -71,8 +71,9 @@ fn run_undisturbed(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
     }
 }
 
-/// Repeats a case whose failure the device's lateness can cause. The failure counts unless it does not come again in a
-/// repetition: then the case is inconclusive, `doubt` tells why, and the frames of the failure stay its evidence.
+/// Repeats a failed case if the failure may come from a late device. If a repetition passes, or is inconclusive
+/// because of lateness, the case becomes inconclusive for the reason `doubt`; the frames of the failure stay its
+/// evidence. Otherwise the failure counts.
 fn confirmed(bench: &mut Bench<'_>, case: &'static Case, mut failed: CaseReport, doubt: Reason) -> CaseReport {
     for number in 1..=CONFIRMATIONS {
         if bench.is_cancelled() {

@@ -173,7 +173,7 @@ fn sync_is_made_plain() {
     });
 }
 
-/// A device whose TPDO is delivered off or empty gets a TPDO for the case.
+/// If TPDO 1 is off, the bench switches it on for the case. If its mapping is empty, the bench maps an object to it.
 #[test]
 fn a_tpdo_is_provided() {
     on_device(|bench| {

@@ -94,12 +94,12 @@ fn one_of_two(bench: &mut Bench<'_>) -> Judged {
     let register = bench.read(ERROR_REGISTER)?;
     bench.check(demand(number(&register) & generic != 0, || {
         let breach = Breach::new(ERROR_REGISTER, "1001h still shows an error when one of two errors is gone");
-        breach.expected("bit 0").found(Observation::Value(register))
+        breach.expected("bit 0 set").found(Observation::Value(register))
     }))?;
     let empty = back.iter().find(|record| !is_error(record) && !has_generic_bit(record));
     bench.check(demand(empty.is_none(), || {
-        let breach = Breach::new(Service::Emcy, "EMCY 0000h still reports an error when one of two errors is gone");
-        breach.expected("bit 0 of byte 2").found(observed(&back)).told(shown(&back))
+        let breach = Breach::new(Service::Emcy, "the error register in EMCY 0000h still shows an error when one of two errors is gone");
+        breach.expected("bit 0 of byte 2 set").found(observed(&back)).told(shown(&back))
     }))?;
     let mut gone = beats(bench, &nodes)?;
     gone.extend(emergencies(bench, patience)?);

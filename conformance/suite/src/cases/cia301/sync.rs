@@ -197,7 +197,7 @@ fn has_no_data(bench: &mut Bench<'_>, heard: &[Record]) -> Judged {
     let wrong = heard.iter().find(|record| !record.data().is_empty());
     bench.check(demand(wrong.is_none(), || {
         let found = wrong.map_or(0, |record| record.data().len() as u64);
-        let breach = Breach::new(Service::Sync, "without counter SYNC has no data, bytes");
+        let breach = Breach::new(Service::Sync, "number of data bytes of a SYNC without counter");
         breach.expected(Observation::Number(0)).found(Observation::Number(found)).told(data(heard))
     }))
 }

@@ -71,7 +71,8 @@ impl<'a> Fields<'a> {
         Ok(())
     }
 
-    /// A text such as `Standard`, `Ext`, `CAN Frame`, `Remote`.
+    /// Recognises remote frames, error frames and the length of the identifier by a text such as `Standard`, `Ext`,
+    /// `CAN Frame` or `Remote`.
     fn kind(&mut self, text: &[u8]) {
         let lower = text.to_ascii_lowercase();
         let has = |word: &[u8]| lower.windows(word.len()).any(|window| window == word);
