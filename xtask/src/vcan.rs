@@ -99,7 +99,8 @@ pub fn on_machines(program: PathBuf, machines: u32, command: &str, arguments: &[
     install(&[IPROUTE])?;
     let arguments = [String::new(), arguments.join(" ")];
     let job = Job { program, starts: this_program()?, arguments, needs_peers: false, patience: FOR_RUNS };
-    machine::run(&job, &vec![command.to_owned(); machines as usize], &[]).context("the run in QEMU failed (this kernel has no vcan)")
+    machine::run(&job, &vec![command.to_owned(); machines as usize], &[])
+        .context("the run in QEMU failed (this kernel has no vcan)")
 }
 
 fn prepare() -> Result<Job> {

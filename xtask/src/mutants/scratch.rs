@@ -103,8 +103,10 @@ fn lay_out(area: &Area) -> Result<()> {
 /// The manifest of the workspace, without the program.
 fn manifest(area: &Area) -> Result<String> {
     let manifest = std::fs::read_to_string("Cargo.toml")?;
-    let (_, dependencies) = manifest.split_once("[workspace.package]").context("Cargo.toml has no [workspace.package]")?;
-    let (dependencies, _) = dependencies.split_once("\n[package]").context("Cargo.toml has no [package] after [workspace.package]")?;
+    let (_, dependencies) =
+        manifest.split_once("[workspace.package]").context("Cargo.toml has no [workspace.package]")?;
+    let (dependencies, _) =
+        dependencies.split_once("\n[package]").context("Cargo.toml has no [package] after [workspace.package]")?;
     let members: Vec<String> = area::CRATES.iter().map(|name| format!("\"{name}\"")).collect();
     let members = members.join(", ");
     // If a crate's own tests are run, every change of a test rebuilds it, which takes longer than its quick tests.

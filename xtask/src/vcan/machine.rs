@@ -102,7 +102,10 @@ fn boot(machine: usize, image: &Path, archive: &Path, patience: Duration) -> Res
         scope.spawn(|| give_up(&qemu, silence, patience));
         let ended = listen(machine, id, BufReader::new(output), alive);
         let status = qemu.lock().unwrap_or_else(PoisonError::into_inner).wait()?;
-        ensure!(status.success(), "QEMU ended with {status} (it is killed if the machine prints nothing for {patience:?})");
+        ensure!(
+            status.success(),
+            "QEMU ended with {status} (it is killed if the machine prints nothing for {patience:?})"
+        );
         ended
     })
 }

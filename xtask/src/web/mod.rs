@@ -55,7 +55,9 @@ pub fn prepare() -> Result<()> {
 /// # Errors
 /// If the words are not a module and a folder, or the JavaScript can't be made.
 pub fn bind(words: &[String]) -> Result<()> {
-    let [wasm, folder] = words else { bail!("web-bind: expected the WebAssembly module and the output folder, found {words:?}") };
+    let [wasm, folder] = words else {
+        bail!("web-bind: expected the WebAssembly module and the output folder, found {words:?}")
+    };
     bind::bind(wasm, folder)
 }
 

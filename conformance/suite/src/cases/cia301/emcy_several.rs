@@ -98,7 +98,10 @@ fn one_of_two(bench: &mut Bench<'_>) -> Judged {
     }))?;
     let empty = back.iter().find(|record| !is_error(record) && !has_generic_bit(record));
     bench.check(demand(empty.is_none(), || {
-        let breach = Breach::new(Service::Emcy, "the error register in EMCY 0000h still shows an error when one of two errors is gone");
+        let breach = Breach::new(
+            Service::Emcy,
+            "the error register in EMCY 0000h still shows an error when one of two errors is gone",
+        );
         breach.expected("bit 0 of byte 2 set").found(observed(&back)).told(shown(&back))
     }))?;
     let mut gone = beats(bench, &nodes)?;
