@@ -1,13 +1,11 @@
-//! The steps of CI: first all compilations, side by side, then what runs in real time, alone. A failed step does not stop
-//! the others.
-
-mod aside;
+//! The steps of CI, in the order of speed and benefit. A failed step does not stop the others.
 
 use crate::as_found::as_found;
 use crate::attack;
 use crate::browser;
 use crate::consent;
 use crate::docs;
+use crate::fleet;
 use crate::fuzz::fuzz;
 use crate::incidents::incidents;
 use crate::peers;
@@ -15,7 +13,6 @@ use crate::run::{is_there, run, target_folder};
 use crate::storm::storm;
 use crate::{vcan, web, windows};
 use anyhow::{Result, bail};
-use aside::Aside;
 use std::path::PathBuf;
 use std::process::Command;
 use std::sync::Mutex;
@@ -34,6 +31,8 @@ const WITHOUT_NEEDS: [&str; 2] =
 const LINTS: &str =
     "cargo clippy --workspace --all-targets --features canvass/peers,canvass/browser,canvass/vcan,canvass/page";
 
+/// Duration of each fuzz target in CI, in seconds: enough for the seeds and quick findings.
+const FUZZ: u32 = 3;
 /// Duration of each fuzz target at night, in seconds.
 const FUZZ_AT_NIGHT: u32 = 120;
 
@@ -48,35 +47,27 @@ struct CiStep {
 const FORMAT: CiStep = CiStep { name: "format", alone: "cargo fmt --all --check", run: format };
 const ALL_TESTS: &str = "cargo nextest run --workspace --locked";
 
-/// Three seconds for each fuzz target: enough for the seeds and quick findings.
-static FUZZ: Aside = Aside::new(&["fuzz", "--for", "3"]);
-/// The tests of fleets, with the program that is built for the other tests.
-static FLEETS: Aside = Aside::new(&["fleet", "--built"]);
-
-const STEPS: [CiStep; 19] = [
+const STEPS: [CiStep; 16] = [
     FORMAT,
-    CiStep { name: "compilation", alone: "cargo test --workspace --locked --no-run", run: compilation },
+    CiStep { name: "tests", alone: ALL_TESTS, run: tests },
+    CiStep { name: "examples in the documentation", alone: "cargo test --workspace --locked --doc", run: doc_tests },
     CiStep { name: "lints", alone: LINTS, run: lints },
     CiStep { name: "documentation", alone: "cargo doc --workspace --locked --no-deps", run: documentation },
     CiStep { name: "without features", alone: "cargo check --no-default-features", run: without_features },
-    CiStep { name: "program for SocketCAN", alone: "cargo xtask vcan --without-nightly", run: program_for_vcan },
-    CiStep { name: "programs of others", alone: "cargo xtask peers; cargo xtask browser", run: fetched },
-    CiStep { name: "WebAssembly", alone: "cargo xtask web", run: web::ahead },
-    CiStep { name: "Windows", alone: "cargo xtask windows --check", run: windows::step },
-    CiStep { name: "fuzz targets", alone: "cargo xtask fuzz --for 3", run: || FUZZ.end() },
-    CiStep { name: "fleets", alone: "cargo xtask fleet", run: || FLEETS.end() },
-    CiStep { name: "tests", alone: ALL_TESTS, run: tests },
-    CiStep { name: "examples in the documentation", alone: "cargo test --workspace --locked --doc", run: doc_tests },
     CiStep { name: "book", alone: "cargo xtask docs", run: book },
+    CiStep { name: "programs of others", alone: "cargo xtask peers; cargo xtask browser", run: fetched },
     CiStep { name: "peers and browser", alone: "cargo xtask peers; cargo xtask browser", run: peers_and_browser },
     CiStep { name: "attack", alone: "cargo xtask attack --for 45s", run: attacked },
-    CiStep { name: "page", alone: "cargo xtask web-test", run: page },
+    CiStep { name: "page as WebAssembly", alone: "cargo xtask web-test", run: page },
+    CiStep { name: "fleets", alone: "cargo xtask fleet", run: fleet::step },
     CiStep { name: "real SocketCAN", alone: "cargo xtask vcan --without-nightly", run: vcan::by_day },
     CiStep {
         name: "self-test",
         alone: "cargo run --release -- selftest; the same with --null, with --alone, and with --fuzz",
         run: self_test,
     },
+    CiStep { name: "Windows", alone: "cargo xtask windows --check", run: windows::step },
+    CiStep { name: "fuzz targets", alone: "cargo xtask fuzz --for 3", run: || fuzz(FUZZ) },
 ];
 
 /// Steps that take long and find little; they run nightly.
@@ -96,7 +87,6 @@ pub fn ci() -> Result<()> {
     if let Ok(mut fetching) = FETCHING.lock() {
         *fetching = Some(std::thread::spawn(fetch));
     }
-    FUZZ.begin()?;
     all(&STEPS)
 }
 
@@ -193,16 +183,6 @@ fn page() -> Result<()> {
 
 fn everyday_tests() -> Result<()> {
     test(&["--workspace"])
-}
-
-/// Compiles all tests, and begins what needs the program.
-fn compilation() -> Result<()> {
-    run("cargo", &[&["test", "--workspace", "--locked", "--no-run"], &FEATURES[..]].concat())?;
-    FLEETS.begin()
-}
-
-fn program_for_vcan() -> Result<()> {
-    vcan::program().map(drop)
 }
 
 /// With nextest one compilation also serves the tests that have steps of their own; cargo can't leave such tests out.

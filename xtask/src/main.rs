@@ -98,7 +98,6 @@ fn main() -> Result<()> {
         Some("as-found") => as_found::as_found(more),
         Some("attack") => attack::attack(more),
         Some("flaky") => flaky::flaky(more),
-        Some("fleet") if more.first().is_some_and(|word| word == "--built") => fleet::step(),
         Some("fleet") => fleet::test(),
         Some("fuzz") => fuzz::command(more),
         Some("memory") => memory::memory(),

@@ -103,14 +103,6 @@ fn tried(in_browser: impl FnOnce() -> Result<()>) -> Result<()> {
     in_browser()
 }
 
-/// Makes the page ahead of its tests. If a tool is missing, [`step`] says so.
-///
-/// # Errors
-/// If the page can't be made.
-pub fn ahead() -> Result<()> {
-    if missing().is_empty() && install().is_ok() { build() } else { Ok(()) }
-}
-
 /// The step of CI, with its tests in Chromium. If a tool is missing and can't be installed, the step is left out with a
 /// message.
 ///
