@@ -26,7 +26,13 @@ const SNIFF_LINES: usize = 20;
 
 pub(crate) fn sniff(head: &[u8]) -> bool {
     let mut lines = head_lines(head).take(SNIFF_LINES).map(|(line, _)| line.trim_ascii());
-    lines.any(|line| record(line).is_ok())
+    lines.any(|line| record(line).is_ok_and(|(_, record)| record.is_some() || is_comment(line)))
+}
+
+/// Whether the record is a comment, with which logs begin. Other types without a frame are no sign of this format: `CAN`
+/// is a word of many tools.
+fn is_comment(line: &[u8]) -> bool {
+    line.split(|byte| *byte == b' ').nth(1).is_some_and(|kind| kind.ends_with(b"CXX"))
 }
 
 pub(crate) fn open(source: Source, _options: &ReadOptions) -> Box<dyn Reader> {
