@@ -91,7 +91,7 @@ impl TestRun {
         self.cases.last_mut().filter(|last| last.verdict.is_none() && last.name == *name)
     }
 
-    /// Begins a case. At the end of a case whose begin was not recorded, adds the case.
+    /// Adds a case: at its begin marker, or at its end marker if the capture has no begin marker of it.
     fn begin(&mut self, name: CaseName, verdict: Option<Arc<str>>, now: Timestamp, place: Place, room: &Room) {
         // A growing list takes up to twice the memory of its content.
         if self.cases.len() < Self::MOST && room.take(2 * size_of::<TestCase>()) {

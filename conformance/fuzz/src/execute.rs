@@ -88,8 +88,8 @@ pub(super) enum Ended {
     Well,
     /// A property does not hold.
     Violation(Violation),
-    /// The device was lost before the sequence: the reset did not bring it back. `dead`: further resets did not bring
-    /// it back either.
+    /// The device was lost before the sequence: it did not start after the reset. If `dead` is set, it did not start after
+    /// further resets either.
     Lost { violation: Violation, dead: bool },
 }
 

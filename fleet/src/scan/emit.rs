@@ -46,8 +46,8 @@ impl Wanted<'_> {
 pub struct Emitter<'a, R: Rows> {
     builder: BatchBuilder<R>,
     filter: Filter<R>,
-    /// Tests whose result for one frame holds for all frames that are alike: for frames with 11-bit CAN-IDs, and with
-    /// 29-bit CAN-IDs.
+    /// The tests that give the same result for all frames of the same kind: one filter for frames with 11-bit CAN-IDs,
+    /// and one for frames with 29-bit CAN-IDs.
     alike: [Filter<R>; 2],
     left: Option<usize>,
     batch_rows: usize,

@@ -29,8 +29,8 @@ pub struct Affordable {
     pub told: Option<String>,
 }
 
-/// Chooses among `cases` by the time that they take on a simulated device like the one under test. Without `--for` and
-/// with the full profile all of them run.
+/// Chooses cases for the available time. A simulated device like the device under test shows how long each case takes.
+/// Without `--for` and with the full profile all cases run.
 pub fn affordable(args: &Args, cases: Vec<&'static Case>, options: &Options) -> Result<Affordable, Failure> {
     if args.span.is_none() && args.profile == Profile::Full {
         return Ok(Affordable { cases, told: None });

@@ -52,7 +52,7 @@ struct BootUnfinished {
     pace: Duration,
 }
 
-/// The boot of a node since its boot-up.
+/// The steps that the NMT master has done for a node since the boot-up message of the node.
 struct Boot {
     boot_up: Seen,
     /// Whether its device type was read.

@@ -67,7 +67,7 @@ struct Gap {
     length: Duration,
 }
 
-/// The conclusion from an interval about the gaps before it.
+/// What an interval between two SYNC messages shows about the gaps before it.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Shows {
     /// The period goes on: SYNC was missing.

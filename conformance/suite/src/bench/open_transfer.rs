@@ -9,7 +9,7 @@ use canvass_traces::Frame;
 #[derive(Debug)]
 pub(super) struct OpenTransfer {
     request_id: u16,
-    /// The object of a request that has no answer yet.
+    /// The object of the initiate request that the server has not answered yet.
     asked: Option<Multiplexer>,
     /// The object of a transfer that the server has begun. It counts as open after an abort, too: only a served request
     /// proves that the server has ended it.

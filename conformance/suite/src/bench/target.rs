@@ -28,8 +28,7 @@ pub struct Target {
     pub deviations: Vec<Deviation>,
     /// Cases whose failures do not count yet.
     pub quarantines: Vec<Quarantine>,
-    /// Whether the device is simulated from its description alone, so that each failure is a failure of the
-    /// description.
+    /// Whether the device is simulated from its description alone. Each failure then shows an error in the description.
     pub described_alone: bool,
 }
 
