@@ -400,6 +400,9 @@ pub enum Fault {
     /// Synchronous RPDOs don't wait for SYNC.
     #[row(fuzz = Never(WaitingRpdo))]
     SynchronousRpdoActsAtOnce,
+    /// RPDOs of the transmission types 0 and 240 take effect without waiting for SYNC.
+    #[row(fuzz = Never(WaitingRpdo))]
+    OuterSynchronousRpdosActAtOnce,
     /// A missing RPDO is not detected after its deadline.
     #[row(fuzz = Never(WaitingRpdo))]
     RpdoDeadlineIgnored,
@@ -650,6 +653,9 @@ pub enum Fault {
     /// With a SYNC start value, every TPDO waits for the SYNC with that counter value, not only the first TPDO.
     #[row(fuzz = Never(SyncCount))]
     SyncStartAgain,
+    /// A TPDO with a SYNC start value begins with the first SYNC whose counter has reached or passed that value.
+    #[row(fuzz = Never(SyncCount))]
+    SyncStartPassedBegins,
     /// EMCY 0000h carries the error register from before the end of the error.
     #[row(fuzz = Never(EmcyReported))]
     EmcyResetRegisterWrong,
@@ -806,6 +812,12 @@ pub enum Fault {
     /// TIME is not sent, although bit 30 of 1012h is accepted.
     #[row(fuzz = Never(TimeProduced))]
     TimeNotProduced,
+    /// 1005h does not exist, although TPDO 2 is synchronous.
+    #[row(model = "kuebler-sendix-58x8", fuzz = Never(InDescription))]
+    SyncObjectMissing,
+    /// TIME is sent although bit 30 of 1012h is 0.
+    #[row(fuzz = Never(TimeProduced))]
+    TimeProducedUnasked,
     /// The clock that TIME sets and the high resolution time stamp, 1013h, stand still.
     #[row(fuzz = Never(TimeConsumed))]
     ClockStands,
@@ -829,6 +841,9 @@ pub enum Fault {
     /// Writing 0 to 1006h does not end SYNC.
     #[row(fuzz = Never(OwnSyncOrTime))]
     SyncNotStopped,
+    /// SYNC is produced as soon as 1006h holds a period, although bit 30 of 1005h is 0.
+    #[row(fuzz = Never(OwnSyncOrTime))]
+    SyncProducedUnasked,
     /// Every seventh SYNC is ignored.
     SyncOverlooked,
     /// The SYNC that the device produces does not trigger its own TPDOs.
@@ -1328,6 +1343,11 @@ pub enum Fault {
     SdoDownloadRefusedAfterUpload,
     /// The first block download after a block upload writes the value of that upload.
     SdoBlockDownloadWritesUpload,
+    /// After a block upload, block downloads write the value of that upload, even after a reset.
+    SdoBlockDownloadKeepsUpload,
+    /// During a block upload every new request is refused with abort 0504 0001h until the client aborts the upload.
+    #[row(fuzz = Never(RequestInBlock))]
+    SdoBlockUploadSurvivesRefusal,
     /// A segmented download that does not announce its size must have the size that the one before announced.
     SdoStaleSizeExpected,
     /// The first start after "save" reports EMCY 5000h, and the device does not enter operational until the next start.

@@ -37,6 +37,9 @@ pub(super) fn plant(parameters: &mut Parameters, firmware: &Firmware) {
     if firmware.has(Fault::ErrorControlMissing) {
         parameters.remove(object::LIFE_TIME_FACTOR, None);
     }
+    if firmware.has(Fault::SyncObjectMissing) {
+        parameters.remove(object::COB_ID_SYNC, None);
+    }
     if firmware.has(Fault::ErrorRegisterMissing) {
         parameters.remove(object::ERROR_REGISTER, None);
     }

@@ -111,7 +111,10 @@ impl Rpdo {
         }
         let mut payload = [0; 8];
         payload.iter_mut().zip(data).for_each(|(to, from)| *to = *from);
-        if self.is_synchronous() && !firmware.has(Fault::SynchronousRpdoActsAtOnce) {
+        let is_outer = matches!(self.transmission.0, 0 | 240);
+        let at_once = firmware.has(Fault::SynchronousRpdoActsAtOnce)
+            || is_outer && firmware.has(Fault::OuterSynchronousRpdosActAtOnce);
+        if self.is_synchronous() && !at_once {
             self.held = Some(payload);
             return Received::Hold;
         }

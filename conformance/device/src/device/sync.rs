@@ -68,8 +68,8 @@ impl SyncObject {
         }
         let factor = if firmware.has(Fault::SyncPeriodDoubled) { 2 } else { 1 };
         self.period = Duration::from_micros(number(object::COMMUNICATION_CYCLE_PERIOD)).times(factor);
-        self.produces =
-            network.sync_producer && is_producing(number(object::COB_ID_SYNC)) && self.period > Duration::ZERO;
+        let is_asked = is_producing(number(object::COB_ID_SYNC)) || firmware.has(Fault::SyncProducedUnasked);
+        self.produces = network.sync_producer && is_asked && self.period > Duration::ZERO;
         self.counts = parameters.number(object::SYNCHRONOUS_COUNTER_OVERFLOW, 0).is_some();
         self.overflow = number(object::SYNCHRONOUS_COUNTER_OVERFLOW) as u8;
         self.sends_counter =

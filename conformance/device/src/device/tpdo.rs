@@ -233,7 +233,11 @@ impl Tpdo {
             return None;
         }
         if self.awaits_start && self.is_synchronous() {
-            if counter.is_some_and(|counter| counter != self.sync_start) {
+            let begins = |counter| match objects.has(Fault::SyncStartPassedBegins) {
+                true => counter >= self.sync_start,
+                false => counter == self.sync_start,
+            };
+            if counter.is_some_and(|counter| !begins(counter)) {
                 return None;
             }
             self.awaits_start = objects.has(Fault::SyncStartAgain);

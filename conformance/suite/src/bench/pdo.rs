@@ -288,19 +288,22 @@ impl Bench<'_> {
     /// # Errors
     /// [`Stop::NotApplicable`] if the device has none.
     pub(crate) fn changeable(&mut self) -> Result<(Mapped, Vec<u8>), Stop> {
+        let Some(mapped) = self.changeable_object() else {
+            let duty = "an object that a TPDO carries can be written by SDO";
+            return Err(Stop::NotApplicable(Reason::new(duty, "one in the description", "none")));
+        };
+        let before = self.read(mapped.at)?;
+        let other = self.other_value(mapped.at, &before);
+        self.uses(mapped.at, "mapped into TPDO 1, and written");
+        Ok((mapped, other))
+    }
+
+    /// The object of [`Bench::changeable`], by the description.
+    pub(crate) fn changeable_object(&self) -> Option<Mapped> {
         let mut objects = self.tpdo_objects();
         // Values that fit into an expedited SDO come first.
         objects.sort_by_key(|mapped| mapped.bits > 32);
-        for mapped in objects {
-            if self.is_described_as_writable(mapped.at) {
-                let before = self.read(mapped.at)?;
-                let other = self.other_value(mapped.at, &before);
-                self.uses(mapped.at, "mapped into TPDO 1, and written");
-                return Ok((mapped, other));
-            }
-        }
-        let duty = "an object that a TPDO carries can be written by SDO";
-        Err(Stop::NotApplicable(Reason::new(duty, "one in the description", "none")))
+        objects.into_iter().find(|mapped| self.is_described_as_writable(mapped.at))
     }
 
     /// The frames with this CAN-ID within `span`.

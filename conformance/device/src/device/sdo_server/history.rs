@@ -11,6 +11,8 @@ pub(super) struct History {
     upload_ended: bool,
     /// The value of the last block upload, if no block download has begun since.
     block_upload: Option<Vec<u8>>,
+    /// The value of the last block upload in a buffer that no start of the device clears.
+    kept: Option<Vec<u8>>,
     /// The size that the last segmented download announced.
     announced: Option<u32>,
 }
@@ -45,8 +47,16 @@ impl History {
         self.upload_ended = matches!(next.answer, Answer::Response(Response::UploadSegment(segment)) if segment.last);
     }
 
+    /// What remains at the start of the device.
+    pub fn at_start(self) -> Self {
+        Self { kept: self.kept, ..Self::default() }
+    }
+
     /// Records the end of a block upload.
     pub fn block_uploaded(&mut self, value: &[u8], firmware: &Firmware) {
+        if firmware.has(Fault::SdoBlockDownloadKeepsUpload) {
+            self.kept = Some(value.to_vec());
+        }
         if firmware.has(Fault::SdoBlockDownloadWritesUpload) {
             self.block_upload = Some(value.to_vec());
         }
@@ -54,6 +64,6 @@ impl History {
 
     /// The value that the next block download writes in place of its own, in a faulty firmware.
     pub fn take_block(&mut self) -> Option<Vec<u8>> {
-        self.block_upload.take()
+        self.block_upload.take().or_else(|| self.kept.clone())
     }
 }

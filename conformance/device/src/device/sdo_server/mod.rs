@@ -61,6 +61,21 @@ enum Transfer {
     BlockDownloadEnd(BlockDownloadEnd),
 }
 
+impl Transfer {
+    /// The code with which a faulty firmware refuses new requests without ending this transfer.
+    fn survives(&self, firmware: &Firmware) -> Option<AbortCode> {
+        match self {
+            Self::Download(_) => {
+                firmware.has(Fault::SdoOpenDownloadSurvivesReset).then_some(AbortCode::LOCAL_CONTROL)
+            }
+            Self::BlockUpload(_) => {
+                firmware.has(Fault::SdoBlockUploadSurvivesRefusal).then_some(AbortCode::COMMAND_SPECIFIER)
+            }
+            _ => None,
+        }
+    }
+}
+
 /// The result of a message: the next state of the transfer, and the messages to send.
 struct Next {
     transfer: Transfer,
@@ -138,7 +153,7 @@ impl SdoServer {
         self.reset();
         self.refused = None;
         self.had_crc = false;
-        self.history = History::default();
+        self.history = std::mem::take(&mut self.history).at_start();
         self.began = false;
         self.requests = 0;
         self.wedged = false;
@@ -190,11 +205,10 @@ impl SdoServer {
     fn on_request(&mut self, now: Timestamp, transfer: Transfer, request: Request, objects: &mut Objects) -> Next {
         let firmware = &objects.firmware;
         let request = self.history.taken(request, firmware);
-        if let Transfer::Download(_) = transfer
+        if let Some(code) = transfer.survives(firmware)
             && let Some(object) = request.multiplexer().filter(|_| !matches!(request, Request::Abort(_)))
-            && firmware.has(Fault::SdoOpenDownloadSurvivesReset)
         {
-            return Next::answer(transfer, Response::abort(object, AbortCode::LOCAL_CONTROL));
+            return Next::answer(transfer, Response::abort(object, code));
         }
         if let Some(refused) = self.history.begin(&request, firmware) {
             return refused;

@@ -36,7 +36,13 @@ fn restricted(bench: &mut Bench<'_>) -> Judged {
     bench.each(if bench.options().exhaustive { all() } else { sample }, |bench, can_id| {
         let value = own & !(0x7FF | CobId::INVALID) | can_id;
         let attempt = bench.download(TPDO_COB_ID, &value.to_le_bytes())?;
-        bench.check(attempt.refused(Situation::RestrictedCanId))
+        let is_accepted = attempt.abort().is_none();
+        bench.check(attempt.refused(Situation::RestrictedCanId))?;
+        // A device that has accepted one CAN-ID refuses the next for another reason: the PDO is valid now.
+        if is_accepted {
+            bench.write(TPDO_COB_ID, &(own | CobId::INVALID).to_le_bytes())?;
+        }
+        Ok(())
     })?;
     let sync = Multiplexer::new(object::COB_ID_SYNC, 0);
     // A COB-ID that can't be changed at all is refused regardless of the CAN-ID.

@@ -104,21 +104,46 @@ fn no_error(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// A synchronous RPDO takes effect with the next SYNC, not before it.
+/// An RPDO of a synchronous transmission type, 0 to 240, takes effect with the next SYNC, not before it.
+///
+/// The case tries the types 1, 0 and 240; each device decides whether it supports the last two.
 #[case(id = "301/rpdo/synchronous", clause = "CiA 301 7.5.2.35", confidence = Cited, level = Must,
-       needs = [RpdoMapping, Sync], catches = [SynchronousRpdoActsAtOnce])]
+       needs = [RpdoMapping, Sync], catches = [SynchronousRpdoActsAtOnce, OuterSynchronousRpdosActAtOnce])]
 fn synchronous(bench: &mut Bench<'_>) -> Judged {
     bench.expect_plain_sync()?;
-    let subject = subject(bench, 1)?;
+    bench.each([1_u8, 0, 240], |bench, transmission_type| {
+        if transmission_type != 1 && !supports(bench, transmission_type)? {
+            bench.note(format!("transmission type {transmission_type} is refused, and not tried"));
+            return Ok(());
+        }
+        waits_for_sync(bench, transmission_type)?;
+        // Some devices change a mapping only in pre-operational.
+        bench.command(Command::ENTER_PRE_OPERATIONAL)?;
+        bench.listen(bench.timing().reaction).map(|_| ())
+    })
+}
+
+/// Whether RPDO 1 accepts this transmission type.
+fn supports(bench: &mut Bench<'_>, transmission_type: u8) -> Result<bool, Stop> {
+    let cob_id = bench.pdo_off(RPDO)?;
+    let is_accepted = bench.download(RPDO.parameter(2), &[transmission_type])?.abort().is_none();
+    bench.pdo_on(RPDO, cob_id)?;
+    Ok(is_accepted)
+}
+
+fn waits_for_sync(bench: &mut Bench<'_>, transmission_type: u8) -> Judged {
+    let subject = subject(bench, transmission_type)?;
     let sync_id = bench.sync_id()?;
     operational(bench)?;
     bench.send_bytes(sync_id, &[])?;
     send(bench, &subject, &subject.other)?;
     let at = subject.mapped.at;
-    expect_value(bench, at, &subject.before, &format!("{at} keeps its value until SYNC"))?;
+    let waits = format!("{at} keeps its value until SYNC, with transmission type {transmission_type}");
+    expect_value(bench, at, &subject.before, &waits)?;
     bench.send_bytes(sync_id, &[])?;
     bench.listen(bench.shortly())?;
-    expect_value(bench, at, &subject.other, &format!("{at} has the value of the RPDO after SYNC"))
+    let acts = format!("{at} has the value of the RPDO after SYNC, with transmission type {transmission_type}");
+    expect_value(bench, at, &subject.other, &acts)
 }
 
 /// An RPDO has no effect in pre-operational.

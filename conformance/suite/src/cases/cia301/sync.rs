@@ -2,7 +2,7 @@
 
 use super::emcy::expect_no_error;
 use crate::bench::Bench;
-use crate::bench::pdo::TPDO;
+use crate::bench::pdo::{RPDO, TPDO};
 use crate::bench::sdo::number;
 use crate::case;
 use crate::situation::Situation;
@@ -107,6 +107,50 @@ fn off(bench: &mut Bench<'_>) -> Judged {
     let after = syncs(bench, id, 6)?;
     bench.check(demand(after.is_empty(), || {
         counted("with 1006h = 0 no SYNC is produced, in 300 ms", 0, Some(0), &after)
+    }))
+}
+
+/// A device with a PDO of a synchronous transmission type, 0 to 240, has 1005h. The case reads the transmission types of
+/// the first four PDOs of each direction as delivered.
+#[case(id = "301/sync/object", clause = "CiA 301 7.5.2.5", confidence = Cited, level = Must,
+       needs = [], catches = [SyncObjectMissing])]
+fn object_exists(bench: &mut Bench<'_>) -> Judged {
+    let mut synchronous = None;
+    for pdo in (1..=4).flat_map(|number| [TPDO.numbered(number), RPDO.numbered(number)]) {
+        let transmission_type = pdo.parameter(2);
+        if synchronous.is_none() && bench.has(transmission_type)? && bench.read_number(transmission_type)? <= 240 {
+            synchronous = Some(pdo);
+        }
+    }
+    let Some(pdo) = synchronous else {
+        let reason = Reason::new("a PDO is synchronous as delivered", "one of the first four", "none");
+        return Err(Stop::NotApplicable(reason));
+    };
+    let attempt = bench.upload(COB_ID)?;
+    let Some(code) = attempt.abort() else { return attempt.value().map(|_| ()).map_err(Into::into) };
+    bench.check(Err(Box::new(
+        Breach::new(COB_ID, format!("1005h exists, as {} is synchronous", pdo.subject()))
+            .expected("a value")
+            .found(Observation::Abort(code)),
+    )))
+}
+
+/// While bit 30 of 1005h is 0 the device produces no SYNC, whatever period 1006h holds.
+#[case(id = "301/sync/not-asked", clause = "CiA 301 7.5.2.5", confidence = Cited, level = Must,
+       needs = [Sync], catches = [SyncProducedUnasked])]
+fn not_asked(bench: &mut Bench<'_>) -> Judged {
+    if !bench.can_write(PERIOD)? {
+        let reason = Reason::new("the device has a SYNC period", "1006h", "absent or read-only");
+        return Err(Stop::NotApplicable(reason));
+    }
+    let own = bench.read_number(COB_ID)?;
+    if own & PRODUCES != 0 {
+        bench.write(COB_ID, &(own & !PRODUCES).to_le_bytes())?;
+    }
+    bench.write(PERIOD, &PERIOD_US.to_le_bytes())?;
+    let heard = syncs(bench, (own & 0x7FF) as u16, 6)?;
+    bench.check(demand(heard.is_empty(), || {
+        counted("without bit 30 of 1005h no SYNC is produced, in 300 ms", 0, Some(0), &heard)
     }))
 }
 

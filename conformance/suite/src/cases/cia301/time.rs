@@ -129,6 +129,22 @@ fn produced(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
+/// While bit 30 of 1012h is 0 the device sends no TIME.
+#[case(id = "301/time/not-asked", clause = "CiA 301 7.5.2.15", confidence = Cited, level = Must,
+       needs = [Time], catches = [TimeProducedUnasked])]
+fn not_asked(bench: &mut Bench<'_>) -> Judged {
+    let own = bench.read_number(COB_ID)?;
+    if own & PRODUCES != 0 {
+        bench.write(COB_ID, &(own & !PRODUCES).to_le_bytes())?;
+    }
+    bench.command(Command::START)?;
+    let heard = bench.frames_of((own & 0x7FF) as u16, Duration::from_secs(5))?;
+    bench.check(demand(heard.is_empty(), || {
+        let breach = Breach::new(COB_ID, "without bit 30 of 1012h no TIME is sent, in 5 s");
+        breach.expected(Observation::Silence).found(Observation::Count(heard.len() as u64))
+    }))
+}
+
 /// The case only records whether the high resolution time stamp, 1013h, increases by one per microsecond after it was
 /// written, because its use is left to the device.
 #[case(id = "301/time/high-resolution", clause = "CiA 301 7.5.2.16", confidence = Cited, level = Open,

@@ -1,5 +1,6 @@
 //! TPDOs: events, SYNC and remote frames (CiA 301, 7.2.2).
 
+use crate::bench::objects::{TPDO_COB_ID, TPDO_FIRST_ENTRY, TPDO_MAPPED};
 use crate::bench::pdo::TPDO;
 use crate::bench::{Bench, percentile};
 use crate::case;
@@ -15,6 +16,8 @@ use canvass_traces::{CanId, Duration, Frame, Record};
 /// The highest SYNC counter.
 const OVERFLOW: Multiplexer = Multiplexer::new(object::SYNCHRONOUS_COUNTER_OVERFLOW, 0);
 const SHORTLY: Duration = Duration::from_millis(100);
+/// The objects with which the mapping of TPDO 1 is changed.
+const MAPPING: [Multiplexer; 3] = [TPDO_COB_ID, TPDO_MAPPED, TPDO_FIRST_ENTRY];
 
 /// TPDO 1 with one object that SDO can write.
 pub(super) struct Subject {
@@ -38,6 +41,21 @@ pub(super) fn subject(bench: &mut Bench<'_>, transmission_type: u8) -> Result<Su
     Ok(Subject { at: mapped.at, can_id, values: [before, other] })
 }
 
+/// Prepares TPDO 1 for counting: sets its transmission type, without event timer and inhibit time, and returns its
+/// CAN-ID. TPDO 1 carries an object that changes only by SDO if there is one, else what it carries as delivered.
+fn countable(bench: &mut Bench<'_>, transmission_type: u8) -> Result<u16, Stop> {
+    if bench.can_write_all(&MAPPING)?.is_ok() && bench.changeable_object().is_some() {
+        return Ok(subject(bench, transmission_type)?.can_id);
+    }
+    bench.require_mapped(TPDO)?;
+    if transmission_type <= 252 {
+        bench.expect_plain_sync()?;
+    }
+    let none = 0_u16.to_le_bytes();
+    bench.set_pdo(TPDO, &[(3, &none), (5, &none), (2, &[transmission_type])])?;
+    Ok((bench.pdo_cob_id(TPDO)?.can_id() & 0x7FF) as u16)
+}
+
 /// The breach of a wrong number of TPDOs: fewer than `least`, or more than `most`.
 fn counted(duty: impl Into<String>, least: u64, most: Option<u64>, found: usize) -> Breach {
     let expected = Allowed::Count { least, most };
@@ -49,19 +67,19 @@ pub(super) fn operational(bench: &mut Bench<'_>) -> Result<(), Stop> {
     bench.listen(SHORTLY).map(|_| ())
 }
 
-fn sync(bench: &mut Bench<'_>, subject: &Subject) -> Result<Vec<Record>, Stop> {
+fn sync(bench: &mut Bench<'_>, can_id: u16) -> Result<Vec<Record>, Stop> {
     let id = bench.sync_id()?;
     bench.drain()?;
     bench.send_bytes(id, &[])?;
-    bench.frames_of(subject.can_id, bench.shortly())
+    bench.frames_of(can_id, bench.shortly())
 }
 
-fn remote(bench: &mut Bench<'_>, subject: &Subject) -> Result<Vec<Record>, Stop> {
+fn remote(bench: &mut Bench<'_>, can_id: u16) -> Result<Vec<Record>, Stop> {
     bench.drain()?;
-    if let Some(request) = Frame::remote(CanId::standard_masked(u32::from(subject.can_id)), 8) {
+    if let Some(request) = Frame::remote(CanId::standard_masked(u32::from(can_id)), 8) {
         bench.send(&request)?;
     }
-    let heard = bench.frames_of(subject.can_id, SHORTLY.max(bench.shortly()))?;
+    let heard = bench.frames_of(can_id, SHORTLY.max(bench.shortly()))?;
     Ok(heard.into_iter().filter(|record| !record.frame.is_remote()).collect())
 }
 
@@ -73,14 +91,14 @@ fn acyclic(bench: &mut Bench<'_>) -> Judged {
     let subject = subject(bench, 0)?;
     operational(bench)?;
     // Entering operational may count as an event.
-    sync(bench, &subject)?;
-    let without = sync(bench, &subject)?.len() + sync(bench, &subject)?.len();
+    sync(bench, subject.can_id)?;
+    let without = sync(bench, subject.can_id)?.len() + sync(bench, subject.can_id)?.len();
     bench.check(demand(without == 0, || {
         counted("without a change SYNC causes no TPDO of type 0", 0, Some(0), without)
     }))?;
     bench.write(subject.at, &subject.values[1])?;
-    let after = sync(bench, &subject)?.len();
-    let then = sync(bench, &subject)?.len();
+    let after = sync(bench, subject.can_id)?.len();
+    let then = sync(bench, subject.can_id)?.len();
     bench.check(demand(after == 1, || {
         counted("a change causes one TPDO of type 0 with the next SYNC", 1, Some(1), after)
     }))?;
@@ -92,7 +110,7 @@ fn acyclic(bench: &mut Bench<'_>) -> Judged {
 /// A TPDO of transmission type 1 follows each SYNC before the next SYNC. The case reports median and maximum of the
 /// delay.
 #[case(id = "301/tpdo/sync-latency", clause = "CiA 301 7.2.2.2", confidence = Cited, level = Must,
-       needs = [Changeable, Sync], catches = [SyncOverlooked], cct = "3.6")]
+       needs = [Tpdo, Sync], catches = [SyncOverlooked], cct = "3.6")]
 fn sync_latency(bench: &mut Bench<'_>) -> Judged {
     let mut delays = sync_delays(bench)?;
     for (name, percent) in [("median", 50), ("95 %", 95), ("maximum", 100)] {
@@ -110,7 +128,7 @@ fn sync_latency(bench: &mut Bench<'_>) -> Judged {
 /// set. CiA 301 sets no limit without 1007h; with 1007h a device may discard a TPDO after the window, but does not have
 /// to.
 #[case(id = "301/tpdo/sync-delay", clause = "CiA 301 7.2.2.2", confidence = Cited, level = Open,
-       needs = [Changeable, Sync], catches = [SyncTpdoLate])]
+       needs = [Tpdo, Sync], catches = [SyncTpdoLate])]
 fn sync_delay(bench: &mut Bench<'_>) -> Judged {
     const USUAL: Duration = Duration::from_millis(20);
     const WINDOW: Multiplexer = Multiplexer::new(object::SYNCHRONOUS_WINDOW_LENGTH, 0);
@@ -132,7 +150,7 @@ const SYNC_PATIENCE: Duration = Duration::from_millis(500);
 
 /// For several SYNC messages, the time from each to the following TPDO of type 1, if there is one.
 fn sync_delays(bench: &mut Bench<'_>) -> Result<Vec<Duration>, Stop> {
-    let subject = subject(bench, 1)?;
+    let can_id = countable(bench, 1)?;
     let id = bench.sync_id()?;
     operational(bench)?;
     let mut delays = Vec::with_capacity(SYNCS);
@@ -141,7 +159,7 @@ fn sync_delays(bench: &mut Bench<'_>) -> Result<Vec<Duration>, Stop> {
         let handed_over = bench.now();
         bench.send_bytes(id, &[])?;
         let came = bench.wait_for(SYNC_PATIENCE, |record| {
-            let is_it = record.frame.cob_id() == Some(subject.can_id) && !record.frame.is_remote();
+            let is_it = record.frame.cob_id() == Some(can_id) && !record.frame.is_remote();
             is_it.then_some(record.timestamp)
         })?;
         // The delay of the tester's machine until SYNC is on the bus is not the device's.
@@ -167,7 +185,7 @@ fn beyond_count(bench: &mut Bench<'_>) -> Judged {
     bench.write(TPDO.entry(0), &[1])?;
     bench.pdo_on(TPDO, cob_id)?;
     operational(bench)?;
-    let heard = sync(bench, &subject)?;
+    let heard = sync(bench, subject.can_id)?;
     let [first, ..] = &heard[..] else {
         return Err(Stop::Inconclusive(Reason::new("a TPDO of type 1 follows SYNC", "one", "none")));
     };
@@ -182,18 +200,18 @@ fn beyond_count(bench: &mut Bench<'_>) -> Judged {
 /// The SYNC count of a TPDO of transmission type n starts again when the device becomes operational: each time the same
 /// one of the first n SYNCs triggers the TPDO. The device decides which of them it is.
 #[case(id = "301/tpdo/sync-count-restarts", clause = "CiA 301 7.3.2.2.3", confidence = Cited, level = Should,
-       needs = [Changeable, Sync], catches = [SyncCountNotReset, NmtEnterPreOperationalIgnored])]
+       needs = [Tpdo, Sync], catches = [SyncCountNotReset, NmtEnterPreOperationalIgnored])]
 fn sync_count_restarts(bench: &mut Bench<'_>) -> Judged {
-    let subject = subject(bench, 3)?;
+    let can_id = countable(bench, 3)?;
     operational(bench)?;
-    let first = cycle(bench, &subject)?;
+    let first = cycle(bench, can_id)?;
     // Two SYNCs of the next cycle are sent.
-    sync(bench, &subject)?;
-    sync(bench, &subject)?;
+    sync(bench, can_id)?;
+    sync(bench, can_id)?;
     bench.command(Command::ENTER_PRE_OPERATIONAL)?;
     bench.listen(SHORTLY)?;
     operational(bench)?;
-    let second = cycle(bench, &subject)?;
+    let second = cycle(bench, can_id)?;
     for heard in [first, second] {
         let found = heard.iter().sum();
         bench.check(demand(found == 1, || {
@@ -211,8 +229,8 @@ fn sync_count_restarts(bench: &mut Bench<'_>) -> Judged {
 }
 
 /// Number of TPDOs after each of three SYNCs.
-fn cycle(bench: &mut Bench<'_>, subject: &Subject) -> Result<[usize; 3], Stop> {
-    Ok([sync(bench, subject)?.len(), sync(bench, subject)?.len(), sync(bench, subject)?.len()])
+fn cycle(bench: &mut Bench<'_>, can_id: u16) -> Result<[usize; 3], Stop> {
+    Ok([sync(bench, can_id)?.len(), sync(bench, can_id)?.len(), sync(bench, can_id)?.len()])
 }
 
 /// The case only records whether an SDO download that changes the value of an event-driven TPDO triggers it at once.
@@ -303,7 +321,7 @@ fn inhibit_unit(bench: &mut Bench<'_>) -> Judged {
 fn on_remote(bench: &mut Bench<'_>) -> Judged {
     let subject = remote_subject(bench, 253)?;
     operational(bench)?;
-    let heard = remote(bench, &subject)?;
+    let heard = remote(bench, subject.can_id)?;
     bench.check(demand(heard.len() == 1, || {
         counted("a remote frame is answered by TPDO 1 of type 253", 1, Some(1), heard.len())
     }))
@@ -316,9 +334,9 @@ fn on_remote(bench: &mut Bench<'_>) -> Judged {
 fn remote_sampled(bench: &mut Bench<'_>) -> Judged {
     let subject = remote_subject(bench, 252)?;
     operational(bench)?;
-    sync(bench, &subject)?;
+    sync(bench, subject.can_id)?;
     bench.write(subject.at, &subject.values[1])?;
-    let heard = remote(bench, &subject)?;
+    let heard = remote(bench, subject.can_id)?;
     let found = heard.first().map_or(Observation::Silence, |answer| Observation::Value(answer.data().to_vec()));
     let right = Observation::Value(subject.values[0].clone());
     bench.check(demand(found == right, || {
@@ -352,25 +370,31 @@ fn remote_subject(bench: &mut Bench<'_>, transmission_type: u8) -> Result<Subjec
 
 /// The device does not answer a remote frame for a TPDO with bit 30 of its COB-ID set.
 #[case(id = "301/tpdo/remote-forbidden", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Must,
-       needs = [Changeable], catches = [RemoteFrameAnsweredWhenNotAllowed])]
+       needs = [Tpdo], catches = [RemoteFrameAnsweredWhenNotAllowed])]
 fn remote_forbidden(bench: &mut Bench<'_>) -> Judged {
-    let subject = subject(bench, 255)?;
+    // An input may change at any time; without SYNC a synchronous TPDO does not show that.
+    let is_changeable = bench.can_write_all(&MAPPING)?.is_ok() && bench.changeable_object().is_some();
+    let can_id = countable(bench, if is_changeable { 255 } else { 1 })?;
     let own = bench.pdo_off(TPDO)?;
     bench.pdo_on(TPDO, CobId(own.0 | CobId::NO_RTR))?;
     operational(bench)?;
-    let heard = remote(bench, &subject)?;
+    let heard = remote(bench, can_id)?;
     bench.check(demand(heard.is_empty(), || {
         counted("a remote frame is not answered while bit 30 forbids it", 0, Some(0), heard.len())
     }))
 }
 
+/// The SYNC start value of TPDO 1 in [`sync_start`].
+const START: u8 = 3;
+
 /// With a SYNC start value and a SYNC counter the first TPDO follows the SYNC with that counter value, and a further
-/// TPDO follows each later SYNC. This holds whichever of the two was written first.
+/// TPDO follows each later SYNC. This holds whichever of the two was written first, and whichever counter value the
+/// first SYNC has.
 #[case(id = "301/tpdo/sync-start", clause = "CiA 301 7.5.2.37", confidence = Cited, level = Must,
-       needs = [Changeable, SyncCounter], catches = [SyncStartValueIgnored, LateSyncCounterOverlooked, SyncStartAgain], cct = "3.8")]
+       needs = [Tpdo, Sync, SyncCounter],
+       catches = [SyncStartValueIgnored, LateSyncCounterOverlooked, SyncStartAgain, SyncStartPassedBegins], cct = "3.8")]
 fn sync_start(bench: &mut Bench<'_>) -> Judged {
-    const START: u8 = 3;
-    let subject = subject(bench, 1)?;
+    let can_id = countable(bench, 1)?;
     if !bench.can_write(TPDO.parameter(6))? {
         let reason = Reason::new("TPDO 1 has a SYNC start value", "1800h:06", "absent or read-only");
         return Err(Stop::NotApplicable(reason));
@@ -387,29 +411,35 @@ fn sync_start(bench: &mut Bench<'_>) -> Judged {
             bench.set_pdo(TPDO, &[(6, &[START])])?;
             bench.write(OVERFLOW, &[overflow])?;
         }
-        begins_with(bench, subject.can_id, START)?;
-        bench.command(Command::ENTER_PRE_OPERATIONAL)?;
-        bench.listen(bench.timing().reaction).map(|_| ())
+        // A device that becomes operational after the start value has passed waits for it to come again.
+        for first in [1, START + 2] {
+            begins_with(bench, can_id, first, overflow)?;
+            bench.command(Command::ENTER_PRE_OPERATIONAL)?;
+            bench.listen(bench.timing().reaction)?;
+        }
+        Ok(())
     })
 }
 
-/// Requires that the first TPDO follows the SYNC with this number, and that a TPDO follows each later SYNC.
-fn begins_with(bench: &mut Bench<'_>, can_id: u16, start: u8) -> Judged {
+/// Sends SYNCs from the counter `from` up to the overflow value, and those of the next cycle until the start value has
+/// passed. Requires that the first TPDO follows the SYNC with the start value, and that a TPDO follows each later SYNC.
+fn begins_with(bench: &mut Bench<'_>, can_id: u16, from: u8, overflow: u8) -> Judged {
     let id = bench.sync_id()?;
     operational(bench)?;
     let (mut first, mut missing) = (None, 0);
-    for counter in 1..=10_u8 {
+    let (last, again) = if from > START { (overflow, START + 2) } else { (overflow.min(10), 0) };
+    for counter in (from..=last).chain(1..=again) {
         bench.drain()?;
         bench.send_bytes(id, &[counter])?;
         let sent = !bench.frames_of(can_id, bench.shortly())?.is_empty();
         first = first.or_else(|| sent.then_some(counter));
         missing += usize::from(first.is_some() && !sent);
     }
-    bench.check(demand(first == Some(start), || {
+    bench.check(demand(first == Some(START), || {
         let breach =
             Breach::new(TPDO.subject(), "the first TPDO follows the SYNC whose counter equals the start value");
         let found = first.map_or(Observation::Silence, |counter| Observation::Number(u64::from(counter)));
-        breach.expected(Observation::Number(u64::from(start))).found(found)
+        breach.expected(Observation::Number(u64::from(START))).found(found)
     }))?;
     bench.check(demand(missing == 0, || {
         counted("TPDO 1 of type 1 follows each SYNC after its first one: number of missing TPDOs", 0, Some(0), missing)

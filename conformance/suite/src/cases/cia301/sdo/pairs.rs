@@ -5,6 +5,7 @@ use crate::bench::Bench;
 use crate::case;
 use crate::verdict::{Breach, Judged, Stop, When, tried};
 use canvass_analyzer::wire::nmt::Command;
+use canvass_bus::observation::Observation;
 use canvass_traces::Duration;
 
 /// Time for the pairs on a live bus; further pairs are left out, unless the user wants all.
@@ -55,7 +56,8 @@ fn pairs(bench: &mut Bench<'_>) -> Judged {
 /// After an abandoned transfer the server may refuse one request. A kind of transfer that the server does not serve at
 /// all is judged by the case for it.
 #[case(id = "301/sdo/transfer/block-pairs", clause = "CiA 301 7.2.4.2.1", confidence = Cited, level = Must,
-       needs = [ScratchObject, BlockUpload, BlockDownload], catches = [SdoBlockDownloadWritesUpload])]
+       needs = [ScratchObject, BlockUpload, BlockDownload],
+       catches = [SdoBlockDownloadWritesUpload, SdoBlockDownloadKeepsUpload, SdoBlockUploadSurvivesRefusal])]
 fn block_pairs(bench: &mut Bench<'_>) -> Judged {
     every_pair(bench, &Form::ALL, |first, second| first.is_block() || second.is_block())
 }
@@ -89,33 +91,39 @@ fn every_pair(bench: &mut Bench<'_>, forms: &[Form], counts: impl Fn(Form, Form)
     tried(count, "two kinds of transfers that follow each other")
 }
 
-/// The forms that the server serves, at least as the first transfers after a start.
+/// The forms that the server serves, at least as the first transfers after a start. A server that accepts a transfer and
+/// carries it out wrongly has a breach even then.
 fn served(bench: &mut Bench<'_>, subjects: &mut Subjects, forms: &[Form]) -> Result<Vec<Form>, Stop> {
     let mut served = Vec::new();
     let allowed: Vec<Form> = forms.iter().copied().filter(|form| subjects.allow(*form)).collect();
     for form in allowed {
-        let is_served = is_served(bench, subjects, form)? || {
+        let mut failed = failed(bench, subjects, form)?;
+        if failed.is_some() {
             // What an earlier transfer has left must not hide that this one is served.
             bench.make_server_idle();
             bench.reset(Command::RESET_NODE)?;
             subjects.settle(bench)?;
-            is_served(bench, subjects, form)?
-        };
-        if is_served {
-            served.push(form);
-        } else {
-            bench.note(format!("{form}: not served, so no pair has it"));
-            subjects.settle(bench)?;
+            failed = self::failed(bench, subjects, form)?;
         }
+        let Some(breach) = failed else {
+            served.push(form);
+            continue;
+        };
+        if matches!(breach.actual, Observation::Abort(_)) {
+            bench.note(format!("{form}: not served, so no pair has it"));
+        } else {
+            bench.check(Err(breach))?;
+        }
+        subjects.settle(bench)?;
     }
     Ok(served)
 }
 
-/// Whether the server serves a transfer on one object. The other one may have another length, and would already follow.
-fn is_served(bench: &mut Bench<'_>, subjects: &mut Subjects, form: Form) -> Result<bool, Stop> {
+/// The breach of a transfer on one object. The other one may have another length, and would already follow.
+fn failed(bench: &mut Bench<'_>, subjects: &mut Subjects, form: Form) -> Result<Option<Box<Breach>>, Stop> {
     match bench.unjudged(|bench| subjects.complete(bench, form, 0)) {
-        Err(Stop::Breach(_)) => Ok(false),
-        outcome => outcome,
+        Err(Stop::Breach(breach)) => Ok(Some(breach)),
+        outcome => outcome.map(|_| None),
     }
 }
 
@@ -136,9 +144,12 @@ fn judge_second(bench: &mut Bench<'_>, subjects: &mut Subjects, pair: Pair) -> J
     let (_, end) = pair.first;
     let object = usize::from(!pair.same);
     match subjects.complete(bench, pair.second, object) {
-        Err(Stop::Breach(_)) if end == End::Abandoned => {
-            // A server may take the request for the end of the abandoned transfer.
-            subjects.settle(bench)?;
+        Err(Stop::Breach(breach)) if end == End::Abandoned => {
+            // A server may take the request for the end of the abandoned transfer. Its own abort ends that transfer
+            // (7.2.4.2.16), so that a client that knows nothing of it may simply ask again.
+            if !matches!(breach.actual, Observation::Abort(_)) {
+                subjects.settle(bench)?;
+            }
             subjects.complete(bench, pair.second, object)
         }
         outcome => outcome,
