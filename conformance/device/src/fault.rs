@@ -1348,6 +1348,10 @@ pub enum Fault {
     /// During a block upload every new request is refused with abort 0504 0001h until the client aborts the upload.
     #[row(fuzz = Never(RequestInBlock))]
     SdoBlockUploadSurvivesRefusal,
+    /// A segmented download without stated size loses its last byte if its length is a multiple of 7, from 14.
+    SdoUnsizedSevenTruncated,
+    /// A block download without CRC loses its last byte if its length is a multiple of 7, from 14.
+    SdoBlockSevenWithoutCrcTruncated,
     /// A segmented download that does not announce its size must have the size that the one before announced.
     SdoStaleSizeExpected,
     /// The first start after "save" reports EMCY 5000h, and the device does not enter operational until the next start.

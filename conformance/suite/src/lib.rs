@@ -16,6 +16,7 @@ mod cases;
 pub mod catalogue;
 pub use canvass_analyzer::clause;
 pub mod comparison;
+mod covering;
 pub mod dice;
 pub mod foreign;
 pub mod glob;

@@ -151,6 +151,10 @@ impl BlockDownloadEnd {
             Some(size) if data.len() < size => return Next::abort(object, AbortCode::LENGTH_TOO_LOW),
             _ => {}
         }
+        let is_full = data.len() >= 14 && data.len().is_multiple_of(7);
+        if is_full && !has_crc && firmware.has(Fault::SdoBlockSevenWithoutCrcTruncated) {
+            data.pop();
+        }
         if let Some(mut stale) = stale {
             stale.resize(data.len(), 0);
             data = stale;

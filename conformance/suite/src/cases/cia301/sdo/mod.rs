@@ -4,6 +4,7 @@ mod access;
 mod block_download;
 mod block_upload;
 pub(super) mod by_hand;
+mod combinations;
 mod command;
 mod described;
 mod expedited;
