@@ -1348,6 +1348,18 @@ pub enum Fault {
     /// During a block upload every new request is refused with abort 0504 0001h until the client aborts the upload.
     #[row(fuzz = Never(RequestInBlock))]
     SdoBlockUploadSurvivesRefusal,
+    /// Each SDO response is sent twice.
+    SdoAnsweredTwice,
+    /// An expedited download is confirmed by a copy of its request.
+    SdoWriteEchoed,
+    /// One of nine requests is returned in place of its answer, if it is an upload.
+    SdoReadEchoed,
+    /// Each segment of a block download is sent back.
+    SdoBlockSegmentsEchoed,
+    /// The CRC of a block download is calculated over the unused bytes of the last segment, too.
+    SdoBlockCrcOfFilling,
+    /// For 3 ms after a block upload SDO requests are ignored.
+    SdoDeafAfterBlockUpload,
     /// A segmented download without stated size loses its last byte if its length is a multiple of 7, from 14.
     SdoUnsizedSevenTruncated,
     /// A block download without CRC loses its last byte if its length is a multiple of 7, from 14.

@@ -6,6 +6,7 @@ mod delays;
 pub mod dictionary;
 mod host;
 mod json;
+mod judged;
 mod report;
 mod skipped;
 mod suites;
@@ -133,6 +134,7 @@ impl<W: Write> RunReport<W> {
     fn finish(&mut self, summary: &Summary) -> io::Result<()> {
         self.show_progress("");
         let Some(mut run) = self.run.take() else { return Ok(()) };
+        judged::name_judges(&mut run.cases);
         run.summary = *summary;
         run.notices = std::mem::take(&mut self.notices);
         run.provenance = std::mem::take(&mut self.provenance);

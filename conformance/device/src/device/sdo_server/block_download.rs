@@ -129,13 +129,16 @@ impl BlockDownloadEnd {
         if let Some(code) = refusal {
             return Next::abort(object, code);
         }
+        let of_all = has_crc && firmware.has(Fault::SdoBlockCrcOfFilling);
+        let checksum_of_all = if of_all { Some(crc16(0, &data)) } else { None };
         data.truncate(data.len().saturating_sub(usize::from(unused)));
+        let right = checksum_of_all.unwrap_or_else(|| crc16(0, &data));
         let too_short =
             size.is_some_and(|size| data.len() < size) && !firmware.has(Fault::SdoBlockSizeMismatchAccepted);
         if too_short && firmware.takes(Liberty::LengthBeforeCrc) {
             return Next::abort(object, AbortCode::LENGTH_TOO_LOW);
         }
-        if has_crc && crc != crc16(0, &data) && !firmware.has(Fault::SdoBlockCrcIgnored) {
+        if has_crc && crc != right && !firmware.has(Fault::SdoBlockCrcIgnored) {
             if firmware.has(Fault::SdoBlockWrittenBeforeCheck) {
                 // The value is already written when the server refuses the transfer.
                 let _ = objects.download(now, object, &data);

@@ -6,6 +6,7 @@
 mod block_download;
 mod block_upload;
 mod download;
+mod echo;
 mod history;
 mod upload;
 
@@ -20,6 +21,7 @@ use canvass_analyzer::wire::sdo::{AbortCode, BlockSegment, Expedited, Payload, R
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_traces::{CanId, Duration, Frame, Timestamp};
 use download::SegmentedDownload;
+use echo::ReceiveBuffer;
 use history::History;
 use std::collections::VecDeque;
 use upload::SegmentedUpload;
@@ -41,6 +43,9 @@ pub(super) struct SdoServer {
     /// Whether a block download with CRC has begun since boot-up.
     had_crc: bool,
     history: History,
+    received: ReceiveBuffer,
+    /// The time until which a faulty firmware ignores requests.
+    deaf_until: Timestamp,
     /// Whether a request was received since boot-up.
     began: bool,
     /// Number of requests since boot-up.
@@ -134,6 +139,8 @@ impl SdoServer {
             refused: None,
             had_crc: false,
             history: History::default(),
+            received: ReceiveBuffer::default(),
+            deaf_until: Timestamp::ZERO,
             began: false,
             requests: 0,
             wedged: false,
@@ -178,15 +185,19 @@ impl SdoServer {
         }
         self.requests = self.requests.wrapping_add(1);
         let lost = self.requests.is_multiple_of(LOST_EVERY) && objects.has(Fault::SdoResponseLost);
-        if lost || self.wedged {
+        if lost || self.wedged || now < self.deaf_until {
             return;
         }
+        self.received.take(frame);
         self.mix_up(frame, objects);
         let transfer = std::mem::replace(&mut self.transfer, Transfer::Idle);
         let next = match transfer {
             // A last segment with sequence number 0 has the command byte 80h, as an abort has.
             Transfer::BlockDownload(download) if frame.bytes()[0] != 0x80 => match BlockSegment::read(frame.data()) {
-                Ok(segment) => download.on_segment(segment, &objects.firmware),
+                Ok(segment) => {
+                    self.answers.extend(self.received.echo(&objects.firmware).map(|echo| (now, echo, 8)));
+                    download.on_segment(segment, &objects.firmware)
+                }
                 Err(_) => Next::silence(Transfer::BlockDownload(download)),
             },
             transfer => match Request::read(frame.data()) {
@@ -264,6 +275,9 @@ impl SdoServer {
                 }
                 (Transfer::BlockUpload(upload), request) => {
                     if request == Request::EndBlockUpload {
+                        if firmware.has(Fault::SdoDeafAfterBlockUpload) {
+                            self.deaf_until = now + DEAF;
+                        }
                         self.history.block_uploaded(upload.value(), firmware);
                     }
                     upload.on_request(request)
@@ -400,7 +414,11 @@ impl SdoServer {
         if firmware.has(Fault::SdoShortResponse) {
             len = used;
         }
+        let bytes = self.received.sent(&response, bytes, self.requests, firmware);
         self.answers.push_back((due, bytes, len));
+        if firmware.has(Fault::SdoAnsweredTwice) {
+            self.answers.push_back((due, bytes, len));
+        }
     }
 
     /// Replaces a value of four bytes by the bytes of a refused segment, in a firmware that has kept such bytes.
@@ -449,6 +467,9 @@ impl SdoServer {
 /// A firmware with delayed responses answers one of this many requests late, after [`SLOW`].
 const SLOW_EVERY: u32 = 150;
 const SLOW: Duration = Duration::from_millis(1_200);
+
+/// Time after a block upload in which a firmware that is busy with it ignores requests.
+const DEAF: Duration = Duration::from_millis(3);
 
 /// A firmware that loses responses leaves one of this many requests unanswered.
 const LOST_EVERY: u32 = 100;

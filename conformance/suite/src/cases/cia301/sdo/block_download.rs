@@ -127,7 +127,7 @@ fn crc_not_kept(bench: &mut Bench<'_>) -> Judged {
 
 /// The server accepts a block download with the correct CRC, and the value can be read back.
 #[case(id = "301/sdo/block-download/crc", clause = "CiA 301 7.2.4.3.16", confidence = Cited, level = Must,
-       needs = [BlockDownload], catches = [SdoBlockPaddingKept, SdoBlockEndSilent], cct = "2.25")]
+       needs = [BlockDownload], catches = [SdoBlockPaddingKept, SdoBlockEndSilent, SdoBlockCrcOfFilling], cct = "2.25")]
 fn crc(bench: &mut Bench<'_>) -> Judged {
     taken(bench, DownloadManner::right)
 }
@@ -338,7 +338,8 @@ fn missing(bench: &mut Bench<'_>) -> Judged {
 
 /// Strings with lengths around whole blocks can be written by block download and read back byte for byte.
 #[case(id = "301/sdo/block-download/block-ends", clause = "CiA 301 7.2.4.3.9", confidence = Cited, level = Must,
-       needs = [BlockDownload, LongScratch], catches = [SdoBlockPaddingKept, WatchdogResetUnderLoad])]
+       needs = [BlockDownload, LongScratch],
+       catches = [SdoBlockPaddingKept, SdoBlockSegmentsEchoed, WatchdogResetUnderLoad])]
 fn block_ends(bench: &mut Bench<'_>) -> Judged {
     // 127 segments of 7 bytes are the longest block.
     bench.each([1, 2, 3, 4, 5, 6, 7, 8, 13, 14, 15, 888, 889, 890], |bench, length| {

@@ -215,6 +215,18 @@ fn switch(bench: &mut Bench<'_>) -> Judged {
     bench.expect_tidy()
 }
 
+/// The server answers a request that follows directly after the end of a block upload.
+#[case(id = "301/sdo/block-upload/next-request", clause = "CiA 301 7.2.4.3.15", confidence = Cited, level = Must,
+       needs = [BlockUpload], catches = [SdoDeafAfterBlockUpload])]
+fn next_request(bench: &mut Bench<'_>) -> Judged {
+    let (multiplexer, _) = subject(bench)?;
+    for _ in 0..3 {
+        bench.block_upload(multiplexer, UploadManner::default())?.0.value().or_inconclusive()?;
+        bench.expect_served("directly after a block upload")?;
+    }
+    Ok(())
+}
+
 /// The server answers a new transfer when the client has not confirmed the end of a block upload. The standard leaves
 /// the behaviour open: only the confirmation and an abort end the service.
 #[case(id = "301/sdo/block-upload/end-missing", clause = "CiA 301 7.2.4.3.12", confidence = Cited, level = Open,
