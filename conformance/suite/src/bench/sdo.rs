@@ -9,7 +9,7 @@ use crate::verdict::{Breach, Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
-use canvass_analyzer::wire::sdo::{self, Request, Response};
+use canvass_analyzer::wire::sdo::{self, Payload, Request, Response};
 use canvass_bus::client::sdo::{Bytes, Mode, Outcome, ServerLine, Transfer};
 use canvass_bus::observation::Observation;
 use canvass_traces::{Duration, Frame, Timestamp};
@@ -250,6 +250,7 @@ impl Bench<'_> {
             let outcome = transfer.clone().carry_out(first, &mut line)?;
             Ok((outcome, line.responses))
         })?;
+        let outcome = self.of_described_size(multiplexer, outcome, responses.first());
         if outcome.own_abort().is_none() {
             self.knowledge.served += 1;
         }
@@ -257,6 +258,23 @@ impl Bench<'_> {
             self.knowledge.device_type.get_or_insert_with(|| value.clone());
         }
         Ok(Attempt { multiplexer, what, outcome, responses })
+    }
+
+    /// Cuts an uploaded value to the size of the object's data type, if the server left the number of its bytes open
+    /// (7.2.4.3.6), which it may do at one time and not at another.
+    fn of_described_size(&self, multiplexer: Multiplexer, outcome: Outcome, first: Option<&Frame>) -> Outcome {
+        let is_open = first.and_then(|frame| Response::read(frame.data()).ok()).is_some_and(|response| {
+            matches!(response, Response::InitiateUpload { payload: Payload::ExpeditedUnsized(_), .. })
+        });
+        let description = self.target.description.as_ref().filter(|_| is_open);
+        let entry = description.and_then(|description| description.dictionary.entry(multiplexer).ok());
+        match (outcome, entry.and_then(|entry| entry.data_type.bits())) {
+            (Outcome::Uploaded(mut value), Some(bits)) => {
+                value.truncate(bits.div_ceil(8) as usize);
+                Outcome::Uploaded(value)
+            }
+            (outcome, _) => outcome,
+        }
     }
 
     /// Performs a transfer, and repeats it if it ended badly while others used the server: one client's request ends
