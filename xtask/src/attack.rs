@@ -33,7 +33,7 @@ const FOLDER: &str = "target/attack";
 /// Number of threads: one for each processor of CI's machines.
 const THREADS: u64 = 2;
 
-/// Attacks the program for that time.
+/// Builds the program, and attacks it for the time in `args`.
 ///
 /// # Errors
 /// If the program can't be built, or fails.

@@ -107,7 +107,7 @@ static FETCHING: Mutex<Option<JoinHandle<Result<()>>>> = Mutex::new(None);
 /// programs.
 fn fetch() -> Result<()> {
     let needed = peers::install_all().and_then(|()| browser::install_all()).and_then(|()| vcan::install_all());
-    // Without these, their steps are skipped.
+    // If these programs can't be installed, the steps that need them are skipped.
     let optional = windows::install_compiler().and_then(|()| web::prepare());
     if let Err(missing) = optional {
         eprintln!("{missing:#}");
@@ -185,7 +185,8 @@ fn everyday_tests() -> Result<()> {
     test(&["--workspace"])
 }
 
-/// With nextest one compilation also serves the tests that have steps of their own; cargo can't leave such tests out.
+/// Runs the tests that have no step of their own. With nextest, one compilation also serves the tests with steps of
+/// their own; cargo can't leave such tests out.
 fn tests() -> Result<()> {
     if !has_nextest() {
         return everyday_tests();
@@ -227,7 +228,8 @@ fn has_nextest() -> bool {
     is_there("cargo", &["nextest", "--version"])
 }
 
-/// The features are the same as for the tests, so that the compiled libraries are reused.
+/// Runs the examples in the documentation, with the same features as the tests, so that the compiled libraries are
+/// reused.
 fn doc_tests() -> Result<()> {
     run("cargo", &[&["test", "--workspace", "--locked", "--doc"], &FEATURES[..]].concat())
 }
@@ -266,8 +268,8 @@ fn component(command: &str, name: &str) -> Result<()> {
     run("rustup", &["component", "add", name])
 }
 
-/// Broken links and missing docs of the libraries are errors. The program's doc comments are help texts, whose
-/// brackets are no links.
+/// Builds the documentation of the libraries; broken links and missing docs are errors. The program's doc comments are
+/// help texts, whose brackets are no links.
 fn documentation() -> Result<()> {
     eprintln!("$ cargo doc");
     let status = Command::new("cargo")

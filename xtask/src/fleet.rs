@@ -30,7 +30,7 @@ pub fn test() -> Result<()> {
 /// As [`test()`].
 pub fn step() -> Result<()> {
     run("cargo", &["fmt", "--manifest-path", MANIFEST, "--all", "--check"])?;
-    // Slow downloads run meanwhile.
+    // The readers are downloaded while the tests are compiled and run.
     std::thread::scope(|scope| {
         let installing = scope.spawn(readers::install_all);
         let tested = lints_and_tests();

@@ -23,7 +23,7 @@ const FOLDER: &str = "target/vcan";
 const PROBE: &str = "canvassprobe";
 /// The test that `vcan-load` runs for a minute.
 const LOAD: &str = "load::nothing_is_lost";
-/// The variable for the duration of this test, and a minute in seconds.
+/// The variable for the duration of the test [`LOAD`], and a minute in seconds.
 const MINUTE: (&str, &str) = ("CANVASS_LOAD_SECONDS", "60");
 
 const IPROUTE: Package = Package { program: "ip", probe: &["-V"], package: "iproute2" };

@@ -20,7 +20,7 @@ pub enum Profile {
 /// The share of the known faults, in percent, that a quick run catches.
 const QUICK: usize = 90;
 
-/// The part of `--for`, in tenths, that the cases may take: the rest is for reading the device and for putting it back.
+/// The part of `--for`, in tenths, that the cases may take: the rest is for reading and restoring the device.
 const FOR_CASES: u64 = 7;
 
 /// The cases that run, and a sentence about those that are left out.
@@ -43,7 +43,7 @@ pub fn affordable(args: &Args, cases: Vec<&'static Case>, options: &Options) -> 
     if let Some(span) = args.span {
         chosen = fitting(&by_benefit(&chosen), span, args.repeat);
     }
-    // Cases that can lose the device are the last ones of every run.
+    // In every run, the cases that can lose the device come last.
     chosen.sort_by_key(|timed| timed.case.can_lose_the_device());
     let told = told(&timed, &chosen);
     Ok(Affordable { cases: chosen.iter().map(|timed| timed.case).collect(), told: Some(told) })

@@ -25,7 +25,7 @@ pub enum Starved {
     Device,
 }
 
-/// The repetition.
+/// The options of `cargo xtask flaky`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Options {
     /// Number of runs.

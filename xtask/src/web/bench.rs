@@ -145,7 +145,7 @@ fn gigabyte() -> Result<()> {
     Ok(())
 }
 
-/// Does something, and measures the peak of the tab's memory meanwhile, in kB.
+/// Calls `does`, and measures the peak of the tab's memory meanwhile, in kB.
 fn watched<T>(browser: &Browser, does: impl FnOnce() -> Result<T>) -> Result<(T, u64)> {
     let ended = AtomicBool::new(false);
     std::thread::scope(|scope| {

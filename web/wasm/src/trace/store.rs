@@ -209,7 +209,7 @@ impl Indexing {
         self.walk.is_some()
     }
 
-    /// Number of examined records, of `all`.
+    /// Number of examined records; `all` once the index is complete.
     pub fn looked_at(&self, all: usize) -> usize {
         self.walk.as_ref().map_or(all, Walk::row)
     }
