@@ -247,8 +247,8 @@ fn attacked_long() -> Result<()> {
     attack::attack(&["--for".to_owned(), "10m".to_owned()])
 }
 
-/// Runs all cases and properties against all faults and liberties, and the fuzzer against all faults. The tests run a
-/// part of it.
+/// Runs the whole selftest: all cases and properties against all faults and liberties, and the fuzzer against all
+/// faults. The tests run only a part of the selftest.
 fn self_test() -> Result<()> {
     // The optimised program with overflow checks that the SocketCAN step uses; no further compilation is needed.
     let program = vcan::program()?;

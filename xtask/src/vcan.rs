@@ -139,7 +139,8 @@ pub fn program() -> Result<PathBuf> {
 /// Builds the program and its tests.
 fn build() -> Result<Job> {
     let mut cargo = Command::new("cargo");
-    // An emulated processor is slow. Third-party crates are optimised in any case, and need no further build.
+    // An emulated processor is slow, so the crates of the workspace are optimised. Third-party crates are optimised in
+    // any case, and need no further build.
     cargo.env("CARGO_PROFILE_DEV_OPT_LEVEL", "3");
     for package in OPTIMISED {
         cargo.args(["--config", &format!("profile.dev.package.canvass-{package}.opt-level=3")]);

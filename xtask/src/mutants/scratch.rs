@@ -150,7 +150,8 @@ pub fn cargo(area: &Area, arguments: &[&str]) -> Command {
     command
 }
 
-/// Builds the crate with its dependencies, which its tests then need not build.
+/// Builds the crate with its dependencies, which the tests of the crate then need not build. Returns the errors of the
+/// compiler.
 fn check(area: &Area) -> Result<Vec<Mistake>> {
     let arguments = ["build", "--profile", "mutants", "--package", area.package, "--message-format=json"];
     let output = cargo(area, &arguments).stderr(Stdio::null()).output().context("cargo build")?;

@@ -22,7 +22,7 @@ const LOOK: Duration = Duration::from_millis(100);
 /// Number of rows to which the list scrolls.
 const SCROLLED: u32 = 100;
 
-/// Measures and prints.
+/// Measures the page and the program, and prints the results.
 ///
 /// # Errors
 /// If something is missing or can't be built, or the page does not answer.
@@ -89,7 +89,8 @@ fn diagnosed(browser: &Browser) -> f64 {
     browser.number("return performance.getEntriesByName('canvass-diagnosis').at(-1).duration") / 1e3
 }
 
-/// Milliseconds from a move of the scroll bar until all rows there have their texts: the median and the maximum.
+/// Milliseconds from a move of the scroll bar until all rows at the new position have their texts: the median and the
+/// maximum.
 fn scrolled(browser: &Browser) -> Result<[f64; 2]> {
     let script = format!(
         "return (async () => {{
