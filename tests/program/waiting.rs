@@ -39,7 +39,7 @@ fn a_pipe_without_a_writer() {
 fn a_file_of_the_kernel_that_waits() {
     let file = Path::new("/proc/kmsg");
     if std::fs::File::open(file).is_err() {
-        // Only root may open it.
+        // Only root may open this file.
         return;
     }
     let (_, errors) = signalled(&["decode", "/proc/kmsg", "--format-in", "candump"], "-INT");

@@ -225,7 +225,7 @@ fn home(used: Use) -> Option<u16> {
     }
 }
 
-/// The node that sends or serves with this use.
+/// The node that sends the messages of this use, or that serves its default SDO channel.
 fn owner(used: Use) -> Option<NodeId> {
     match used {
         Use::Emcy(node) | Use::Pdo(node, _) | Use::Srdo(node, ..) | Use::ErrorControl(node) => Some(node),

@@ -13,9 +13,9 @@ use canvass_traces::{Duration, Timestamp};
 pub(crate) struct UnderWay {
     /// A request was answered: no earlier transfer is open.
     over: bool,
-    /// The sequence number of the client's next segment, and the time of the one before.
+    /// The sequence number of the client's next segment, and the time of the segment or confirmation before it.
     download: Option<(u8, Timestamp)>,
-    /// The sequence number of the server's next segment, and the time of the one before.
+    /// The sequence number of the server's next segment, and the time of the segment or confirmation before it.
     upload: Option<(u8, Timestamp)>,
 }
 
