@@ -123,7 +123,7 @@ fn learn_cob_id(bus: &mut Bus, node: NodeId, object: Multiplexer, value: u32, so
     }
 }
 
-/// An SRDO's CAN-IDs are used only if the node has the SRDO and sends it.
+/// Handles the direction of an SRDO, on which the use of its two CAN-IDs depends: sets the use of both again.
 fn learn_srdo_direction(bus: &mut Bus, node: NodeId, object: Multiplexer, source: Source) {
     for sub in 5..=6 {
         let cob_id = Multiplexer::new(object.index.0, sub);

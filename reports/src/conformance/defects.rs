@@ -71,7 +71,8 @@ fn of_breach(breach: &Breach) -> Cause<'_> {
     match (&breach.situation, &breach.actual) {
         (_, Observation::Violation(violation)) => Cause::Violation(discriminant(violation)),
         (When::Listed { situation, .. }, actual) => Cause::Listed(*situation, actual),
-        // An SDO server answers all kinds of requests, and silence has many causes.
+        // A wrong answer of an SDO server, or silence, may have many causes: cases with such an observation show one
+        // defect only if they break the same duty.
         (When::Own(duty), actual) if breach.subject == Subject::Service(Service::Sdo) => Cause::Duty(duty, actual),
         (When::Own(duty), actual @ Observation::Silence) => Cause::Duty(duty, actual),
         (_, actual) => Cause::Shown(breach.subject, actual),
