@@ -1,7 +1,7 @@
 //! `cargo xtask vcan [WORDS...]`: the tests on real SocketCAN, or those whose names contain one of the words; with
 //! `--without-nightly` the tests of CI. They run on this kernel if it has vcan, else on Debian's kernel in QEMU. `cargo
-//! xtask vcan-load`: a minute of the highest load, measured there. `cargo xtask flaky --bus vcan` runs in the same
-//! machines.
+//! xtask vcan-load`: measures a minute of the highest load on the same kernel. `cargo xtask flaky --bus vcan` runs in
+//! the same machines.
 
 mod deal;
 mod files;

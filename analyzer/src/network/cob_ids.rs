@@ -290,7 +290,7 @@ mod tests {
         assert_eq!(used(0x63F), Use::SdoRequest(ChannelIndex::predefined(node(63))));
         assert_eq!(used(0x73F), Use::ErrorControl(node(63)));
         assert_eq!(used(0x7E5), Use::LssRequest);
-        // Neither NMT nor TIME: only 000h and 100h are.
+        // NMT has only 000h, and TIME has only 100h.
         assert_eq!((used(0x001), used(0x071)), (Use::GlobalFailSafe, Use::FlyingMaster));
         for id in (0x002..=0x070).chain(0x077..=0x07F).chain(0x101..=0x17F).chain([0x180, 0x580, 0x680, 0x780]) {
             assert_eq!(used(id), Use::Unknown, "{id:03X}");
