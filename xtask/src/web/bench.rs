@@ -46,7 +46,8 @@ pub fn bench() -> Result<()> {
     measured
 }
 
-/// Measures the time from the choice of the file to the page of the diagnosis, and the rows of the list.
+/// Measures the time from the choice of the file to the page of the diagnosis, and the time until the rows of the list
+/// appear after scrolling.
 fn million(log: &str) -> Result<()> {
     println!("{FRAMES} frames, {} MB, best of {RUNS} runs", fs::metadata(log)?.len() / 1_000_000);
     let command = [&release("canvass"), "diagnose", "--format", "html", "--fail-on", "never", log];
