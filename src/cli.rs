@@ -154,8 +154,8 @@ mod tests {
     use super::*;
     use std::collections::BTreeMap;
 
-    /// The value name of an option, or `nothing` for a flag. `NODE=MODEL|FILE` and `[NODE=]MODEL|FILE` count as the
-    /// same name, for commands about one node or several.
+    /// The value name of an option, or `nothing` for a flag. `NODE=MODEL|FILE`, for commands about several nodes, and
+    /// `[NODE=]MODEL|FILE`, for commands about one node, count as the same name.
     fn meaning(argument: &clap::Arg) -> String {
         let names = argument.get_value_names().unwrap_or_default().join(" ");
         match argument.get_action().takes_values() {

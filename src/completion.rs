@@ -86,7 +86,7 @@ fn explained() -> Vec<String> {
     cases().into_iter().chain(faults()).chain(liberties()).chain(rules).chain(models()).chain(formats).collect()
 }
 
-/// Interfaces of this machine, and simulated devices with the faults that show on them.
+/// Interfaces of this machine, and simulated devices; after the `+` of a simulated device, all faults.
 fn buses(typed: &str) -> Vec<String> {
     match typed.rsplit_once('+').filter(|_| typed.starts_with("sim:")) {
         Some((before, _)) => faults().into_iter().map(|fault| format!("{before}+{fault}")).collect(),

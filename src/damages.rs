@@ -16,7 +16,8 @@ pub struct Damages {
 const SHOWN: u64 = 10;
 
 impl Damages {
-    /// Prints a damage of the named source, unless [`SHOWN`] of its kind were printed already.
+    /// Prints a damage of the named source, unless [`SHOWN`] of its kind were printed already. Lost frames and fatal
+    /// damage are always printed.
     pub fn report(&mut self, name: &str, damage: &Damage) {
         if let DamageKind::Dropped(frames) = damage.kind {
             self.losses = (self.losses.0 + 1, self.losses.1.saturating_add(frames));

@@ -18,7 +18,7 @@ pub struct Destination {
 }
 
 impl Destination {
-    /// The format is the one that the user gave, else that of the path's extension.
+    /// The format is `said` if the user gave one, otherwise the format of the path's extension.
     pub fn new(path: &Path, said: Option<Format>, force: bool) -> Result<Self> {
         let (compression, by_name) = Compression::and_format_of(path);
         let Some(format) = said.or(by_name) else {

@@ -250,10 +250,11 @@ impl<'a> Inputs<'a> {
         self.merge.time_base()
     }
 
-    /// Prints the totals of the damage.
+    /// Prints the totals of the damage, the quality if it is wanted, and a warning if the times of the captures count
+    /// from different origins.
     ///
     /// # Errors
-    /// If a file could not be read to its end, or Ctrl-C interrupted the reading.
+    /// If the quality can't be written, a file could not be read to its end, or Ctrl-C interrupted the reading.
     pub fn finish(self) -> Result<(), Failure> {
         self.output.flush()?;
         self.damages.summarise();

@@ -39,7 +39,8 @@ impl KeptDevice {
         self.device.node()
     }
 
-    /// Writes the memory to the file. Also returns the error of an earlier write.
+    /// Writes the memory to the file, if the memory has changed or the file is missing. If an earlier write failed,
+    /// returns its error instead.
     pub fn keep(&mut self) -> Result<()> {
         if let Some(trouble) = self.trouble.take() {
             return Err(trouble);

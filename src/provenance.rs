@@ -74,7 +74,7 @@ impl Collected {
     /// Begins the provenance.
     ///
     /// # Errors
-    /// If a date is given for a live bus, or the date is invalid.
+    /// If a note is given twice, a date is given for a live bus, or the date is invalid.
     pub fn begin(remarks: &Remarks, typed: &Typed, subject: Subject<'_>) -> Result<Self, Failure> {
         let mut notes: Vec<(String, String)> = Vec::new();
         for Note(key, value) in &remarks.note {

@@ -79,7 +79,7 @@ impl Settings {
         if ON_BUS.contains(&command) {
             all.push(one("bus"));
         }
-        // Node, device and waivers belong to the bus of the file; they do not hold for another bus.
+        // Node, device and waivers of the file belong to the file's bus: they do not apply to another bus.
         let is_its_bus = typed.bus.is_none() || typed.bus.as_deref() == self.value("bus");
         if is_its_bus && OF_DEVICE.contains(&command) {
             all.extend([one("node"), one("device")]);

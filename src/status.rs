@@ -24,7 +24,7 @@ impl From<Status> for ExitCode {
     }
 }
 
-/// An error with the status that it ends the program with.
+/// An error, and the exit status with which the program then ends.
 #[derive(Debug)]
 pub struct Failure {
     status: Status,

@@ -18,7 +18,7 @@ pub struct UploadLimitArgs {
 }
 
 impl UploadLimitArgs {
-    /// The typed limits, completed from `usual`.
+    /// The typed limits. A limit that was not typed is taken from `usual`.
     pub fn or(self, usual: UploadLimit) -> UploadLimit {
         let bytes = self.max_size.map(|size| usize::try_from(size).unwrap_or(usize::MAX));
         UploadLimit { bytes: bytes.unwrap_or(usual.bytes), time: self.max_time.unwrap_or(usual.time) }

@@ -26,7 +26,7 @@ impl WholeFile {
     /// Begins a file.
     ///
     /// # Errors
-    /// If the file could not be given its name later.
+    /// If the complete file could not get its name later.
     pub fn create(path: &Path) -> Result<Self> {
         let failed = || format!("can't write {}", path.display());
         let part = match fs::metadata(path) {

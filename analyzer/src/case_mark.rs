@@ -34,7 +34,8 @@ impl<'a> CaseMark<'a> {
     }
 }
 
-/// Whether a text is short and has only small letters and the characters in `others`: captures may contain any text.
+/// Whether a text is short and has only small letters and the characters in `others`. Captures may contain any text,
+/// and no other text counts as a mark.
 fn is_plain(text: &str, others: &str) -> bool {
     (1..=120).contains(&text.len()) && text.chars().all(|c| c.is_ascii_lowercase() || others.contains(c))
 }

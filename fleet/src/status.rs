@@ -20,7 +20,7 @@ impl From<Status> for ExitCode {
     }
 }
 
-/// An error with the status that it ends the program with.
+/// An error, and the exit status with which the program then ends.
 #[derive(Debug)]
 pub struct Failure {
     status: Status,
@@ -68,7 +68,7 @@ impl Failure {
     }
 }
 
-/// The message of the engine without its names of the engine's parts.
+/// The engine's message without the names of the engine's parts.
 fn plain(message: &str) -> String {
     let words = ["External error: ", "Error during planning: ", "SQL error: ", "Execution error: ", "IO error: "];
     words.iter().fold(message.to_owned(), |message, word| message.replace(word, ""))

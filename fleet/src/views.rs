@@ -42,7 +42,7 @@ impl View {
         self.words().next().unwrap_or(self.name)
     }
 
-    /// What the view shows, and its limits.
+    /// The content of the view, and its limits.
     pub fn doc(&self) -> String {
         self.words().skip(1).filter(|line| !line.is_empty()).collect::<Vec<_>>().join(" ")
     }

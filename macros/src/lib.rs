@@ -25,7 +25,9 @@ use proc_macro::TokenStream;
 ///   in brackets;
 /// - `of` (optional): `capture` for a rule about whole captures, `nothing` for a rule whose findings other code
 ///   reports;
-/// - `leads_to` (optional): the consequences of the rule's findings, a slice of `Effect`.
+/// - `leads_to` (optional): the consequences of the rule's findings, a slice of `Effect`;
+/// - `follows` (optional, for rules of device profiles): the ids of the rules whose findings cause findings of this
+///   rule, each with the `Effect`.
 ///
 /// Fields of the struct:
 ///
@@ -52,6 +54,8 @@ pub fn rule(attribute: TokenStream, item: TokenStream) -> TokenStream {
 /// - `needs` (optional): features without which the case is not applicable: `VisibleState` is the static
 ///   `crate::needs::VISIBLE_STATE`;
 /// - `touches` (optional): interventions that the user must allow first;
+/// - `answers` (optional): rows of the table of allowed answers that functions name which the case calls; rows that the
+///   case itself names need not be listed;
 /// - `cct` (optional): the number of a comparable case of CiA's conformance test tool.
 #[proc_macro_attribute]
 pub fn case(attribute: TokenStream, item: TokenStream) -> TokenStream {

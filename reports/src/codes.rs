@@ -26,8 +26,9 @@ impl Code {
     }
 }
 
-/// The meaning of a code: an EMCY error code of four digits, in a device profile if one is given, or an SDO abort code of
-/// eight; `None` if the text is no code.
+/// The meaning of an EMCY error code (four digits) or of an SDO abort code (eight digits); `None` if the text is
+/// neither. With `profile`, only this device profile adds its meaning of an error code, otherwise every device profile
+/// does.
 pub fn explain(text: &str, profile: Option<u16>) -> Option<String> {
     match Code::parse(text)? {
         Code::Emcy(code) => Some(emcy(EmcyCode(code), profile)),

@@ -66,7 +66,7 @@ impl Change {
         (self.old.as_deref().unwrap_or("-"), self.new.as_deref().unwrap_or("-"))
     }
 
-    /// Whether the change is a case that is bad now and was not before.
+    /// Whether the change is a case that ran in the new result and counts as worse.
     fn is_regression(&self) -> bool {
         self.kind == "verdict" && self.direction == Direction::Worse && self.new.is_some()
     }

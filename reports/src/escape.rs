@@ -110,7 +110,7 @@ impl<W: io::Write> Visible<W> {
         Self { out, colors, ascii: false, pending: Vec::new() }
     }
 
-    /// Replaces all other characters by ASCII, if `ascii`.
+    /// If `ascii`, replaces each character that is not ASCII by similar ASCII text, or by its number.
     #[must_use]
     pub fn in_ascii(self, ascii: bool) -> Self {
         Self { ascii, ..self }

@@ -6,7 +6,7 @@ use std::fmt::{self, Display, Write as _};
 
 pub const HEX: &[u8; 16] = b"0123456789ABCDEF";
 
-/// The two hexadecimal digits of every byte. The table saves a load and the shifts.
+/// The two hexadecimal digits of every byte: one look-up for both digits, without shifts.
 static HEX_PAIRS: [[u8; 2]; 256] = {
     let mut pairs = [[0; 2]; 256];
     let mut byte = 0;

@@ -26,7 +26,7 @@ impl<'a> CaptureQuality<'a> {
     }
 }
 
-/// The sum of all captures.
+/// The quality of all captures together.
 fn total(captures: &[CaptureQuality<'_>]) -> Quality {
     captures.iter().fold(Quality::default(), |mut total, capture| {
         total.add(capture.quality);

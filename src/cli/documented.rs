@@ -59,7 +59,8 @@ fn words(command: &str) -> Vec<String> {
     words.into_iter().take_while(is_own).collect()
 }
 
-/// The error with which the program refuses a command; with `bus_is_named` the bus is given elsewhere.
+/// The error with which the program refuses a command of a page. With `bus_is_named`, the page has set the bus for its
+/// commands.
 fn mistake(command: &str, bus_is_named: bool) -> Option<clap::Error> {
     let mut words = words(command);
     let parsed = |words: &[String]| Cli::described().try_get_matches_from(words).err();

@@ -14,7 +14,7 @@ use std::fmt::Write;
 /// Show bus, node, device, waivers, timeouts and thresholds in force, and where each comes from
 ///
 /// The settings come from the nearest canvass.toml, in this folder or one above it. The environment variable
-/// `CANVASS_BUS` precedes its bus. Options on the command line precede both.
+/// `CANVASS_BUS` overrides its bus. Options on the command line override both.
 #[derive(clap::Args)]
 pub struct Args {
     /// How to print the settings

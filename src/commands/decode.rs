@@ -172,7 +172,7 @@ impl View {
         Ok(Status::Good)
     }
 
-    /// Prints a frame, after its comment if comments are selected. A comment that several frames share is printed
+    /// Prints the latest frame if it is selected, after its comment. A comment that several frames share is printed
     /// once.
     fn show_frame(
         &self,

@@ -20,7 +20,7 @@ pub fn json() -> Box<dyn Events> {
     Box::new(JsonEvents::new())
 }
 
-/// Prints all events of the captures, and at the end the transfers that did not end.
+/// Prints the selected events of the captures. Without a filter, the transfers that did not end follow.
 pub fn show(
     inputs: &mut Inputs<'_>,
     network: &mut Network,

@@ -182,8 +182,8 @@ impl Args {
         }
     }
 
-    /// The latest time at which shortening ends. On a simulated bus the limit is later, as each try costs almost no
-    /// time.
+    /// The latest time at which shortening ends: the time limit of the run and, on a simulated bus, 3 s more, as each
+    /// try costs almost no time there.
     fn ends(&self, span: Option<Duration>, simulated: bool) -> Option<Instant> {
         let more = if simulated { Duration::from_secs(3) } else { Duration::ZERO };
         Some(Instant::now() + std::time::Duration::from(span? + more))

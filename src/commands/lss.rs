@@ -261,7 +261,8 @@ impl Master<'_> {
 
     fn configure(&mut self, which: &Which, wish: Wish) -> Result<Status, Failure> {
         self.select(which)?;
-        // With `--address` only the selected slave is in configuration, and it has answered as LSS does.
+        // With `--address` only the selected slave is in configuration, and the answer to its selection has shown that
+        // it has LSS.
         if let (Some(index), None) = (wish.bit_rate, &which.address) {
             self.refuse_lmt(index)?;
         }
@@ -354,8 +355,8 @@ impl Master<'_> {
     }
 }
 
-/// The error of a Fastscan that finds a configured device again. Without this stop, Fastscan would assign one node-ID
-/// after the other to this device, and store each.
+/// The error with which a Fastscan stops that finds a configured device again. Without the stop, Fastscan would assign
+/// one node-ID after the other to this device, and store each.
 fn found_again(address: LssAddress, node: Option<NodeId>) -> String {
     let [vendor, product, revision, serial] = address;
     let given = node.map(|node| format!("was given node-ID {node} and ")).unwrap_or_default();

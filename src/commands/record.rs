@@ -49,7 +49,7 @@ pub struct Args {
     frames: Option<u64>,
 }
 
-/// Interval between two flushes: at most this much is lost when the recorder is killed.
+/// Interval between two flushes: if the recorder is killed, at most the frames of this interval are lost.
 const FLUSH: Duration = Duration::from_millis(250);
 
 /// Number of frames between two looks at the clock while frames come without a pause.

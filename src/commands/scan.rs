@@ -196,8 +196,8 @@ fn fastscan(exchange: &mut Exchange<'_>, nodes: &BTreeMap<NodeId, Found>) -> Res
     Ok(scanned)
 }
 
-/// The node-ID of the device that Fastscan left in configuration. A device that does not answer the inquiry is the
-/// node with the same identity, if exactly one node has it.
+/// The node-ID of the device that Fastscan left in configuration. If the device does not answer the inquiry and its
+/// serial number is not 0, it is taken to be the first node with the same identity.
 fn configured(
     exchange: &mut Exchange<'_>,
     address: LssAddress,

@@ -280,7 +280,7 @@ impl Args {
         let node = self.node.or_else(|| opened.node()).or_else(usual).or_else(commissioned);
         let node = node.ok_or_else(|| which_node(&self.bus, opened.model))?;
         let manual = Model::by_id(&model).map(Deviation::of_model).unwrap_or_default();
-        // A waiver precedes the manual's sheet: the user's statement is about this very device.
+        // A waiver takes precedence over the manual's sheet, because the user's statement is about this very device.
         let deviations = waived.into_iter().chain(manual).collect();
         let described_alone = self.device.is_none() && opened.model.is_some_and(Model::is_described_alone);
         Ok(Target { deviations, described_alone, ..Target::known(node, model, device) })

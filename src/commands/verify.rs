@@ -86,7 +86,7 @@ impl Args {
     }
 }
 
-/// Reads a file that begins as archives do. Of any other file only the beginning is read.
+/// The content of a file that begins like an archive. `None` for any other file, of which only the beginning is read.
 fn archive(path: &Path) -> std::io::Result<Option<Vec<u8>>> {
     const BEGINNING: &[u8] = b"PK\x03\x04";
     let mut begun = Vec::new();

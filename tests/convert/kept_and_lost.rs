@@ -10,9 +10,9 @@ use std::path::Path;
 /// A written format, with its losses.
 struct Kept {
     format: Format,
-    /// The losses from [`recording::log`].
+    /// The losses when [`recording::log`] is written.
     lost: &'static [Loss],
-    /// The losses from other recordings only; each of these losses has its test below.
+    /// The losses that only other recordings have; each of them has its own test below.
     lost_elsewhere: &'static [Loss],
     /// The row after writing and reading; `None` if the format can't hold the row.
     row: fn(RecordContent, &mut Numbers) -> Option<RecordContent>,

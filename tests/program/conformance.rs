@@ -94,7 +94,7 @@ fn a_faulty_firmware_fails_with_reason_and_frames() {
     }
 }
 
-/// A device that boots twice fails the cases of both resets, for one reason. A second defect is told apart from it.
+/// A device that boots twice fails the cases of both resets, for one reason. A second defect is reported separately.
 #[test]
 fn cases_that_fail_for_the_same_defect_are_told_together() {
     let cases = ["301/boot-up/reset-communication", "301/boot-up/reset-node"];
@@ -121,7 +121,7 @@ fn ran(report: &Value) -> usize {
     report["cases"].as_array().unwrap().len()
 }
 
-/// Little time is spent on the cases that find most, and the report says how many are left out.
+/// A short run takes the cases that find most faults in their time, and the report says how many cases are left out.
 #[test]
 fn a_short_run_takes_the_cases_that_find_most() {
     let tested = run(&["test", "sim:reference-301", "--for", "60s", "--format", "json"]);

@@ -159,7 +159,7 @@ fn a_simulated_device_gets_the_node_id_that_is_asked_for() {
     assert_eq!(read.status, 0, "{}", read.stderr);
 }
 
-/// With a single fault, the selftest does not judge whether its cases detect other faults.
+/// With a single fault, the selftest does not judge whether the cases of this fault detect other faults.
 #[test]
 fn the_selftest_of_a_fault_judges_what_belongs_to_it() {
     let tested = run(&["selftest", "--fault", "heartbeat-period-doubled", "--format", "json"]);

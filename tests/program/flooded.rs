@@ -72,7 +72,7 @@ fn monitored(more: &[&str], interrupt: Option<fn(&Child) -> bool>) {
     let args = [&["monitor", &bus], more].concat();
     let mut child = command(&args).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn().unwrap();
     all_sent.recv_timeout(Duration::from_secs(60)).unwrap();
-    // The frames still on their way arrive.
+    // Gives the frames that are still on their way time to arrive.
     std::thread::sleep(Duration::from_secs(1));
     if let Some(interrupt) = interrupt {
         assert!(interrupt(&child));

@@ -15,8 +15,8 @@ const INTERRUPTED: u64 = 100;
 const KILLED: u64 = 50;
 /// Number of devices that are tested at the same time. It is large, as most of the time is waiting.
 const DEVICES: u64 = 10;
-/// One run in [`AT_ANY_MOMENT`] is killed at a moment that counts from its start, and so perhaps before its first case.
-/// For the other runs, the moment counts from the beginning of the first case.
+/// One of [`AT_ANY_MOMENT`] runs ends at a moment that is counted from its start, which may be before its first case.
+/// For the other runs, the moment is counted from the beginning of the first case.
 const AT_ANY_MOMENT: u64 = 7;
 
 /// Objects that get a new value without being stored: communication parameters (1017h, 1006h, 1016h:01), a parameter

@@ -19,7 +19,7 @@ pub enum Rogue {
     Nonsense,
     /// Simulates a node that boots, and answers each upload with empty segments without end.
     Endless,
-    /// Simulates a node that boots, announces 4 GiB for each object, and would deliver them.
+    /// Simulates a node that boots, announces 4 GiB for each object, and sends them as long as the client asks.
     Huge,
     /// Closes the connection in the middle of a frame, each time.
     Closing,

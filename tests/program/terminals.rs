@@ -105,7 +105,7 @@ fn a_terminal_in_the_locale_c_gets_ascii() {
     assert!(text.contains("x fail  301/boot-up/reset-node") && text.contains("| + pass "), "{text}");
     let piped = command(COMMANDS[0]).env("LC_ALL", "C").output().unwrap();
     assert!(String::from_utf8(piped.stdout).unwrap().contains("✗ fail"));
-    // LC_ALL precedes LANG, and without any variable the locale is not C.
+    // LC_ALL takes precedence over LANG, and without any variable the locale is not C.
     for variables in [&[("LANG", "C"), ("LC_ALL", "de_DE.UTF-8")][..], &[]] {
         assert!(seen(100, variables, COMMANDS[0]).contains("✗ fail"), "{variables:?}");
     }

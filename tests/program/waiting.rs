@@ -34,12 +34,12 @@ fn a_pipe_without_a_writer() {
     assert!(!out.exists());
 }
 
-/// A file of the kernel that claims to be regular and empty, and waits when it was read completely.
+/// A file of the kernel that claims to be regular and empty. A program that has read all of it waits for more.
 #[test]
 fn a_file_of_the_kernel_that_waits() {
     let file = Path::new("/proc/kmsg");
     if std::fs::File::open(file).is_err() {
-        // Only root may open it.
+        // Only root may open this file.
         return;
     }
     let (_, errors) = signalled(&["decode", "/proc/kmsg", "--format-in", "candump"], "-INT");

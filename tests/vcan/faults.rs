@@ -117,7 +117,8 @@ fn a_removed_interface_is_found_again() {
 /// Number of segment requests in the preparation of `301/sdo` and in its first case.
 const EARLIER: usize = 23;
 
-/// Waits for a segment of an upload in one of the cases, in the middle of which `act` ends a process.
+/// Waits until the tester requests a segment of an upload in one of the cases; `act` then ends a process in the middle
+/// of this transfer.
 fn in_mid_transfer(bus: &Interface, act: impl FnOnce()) {
     let mut candump = Command::new("candump");
     // The filter of candump passes the SDO requests, whose segment requests have either toggle bit.

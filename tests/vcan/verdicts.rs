@@ -66,7 +66,8 @@ fn models() -> Vec<(String, String)> {
     models.as_array().unwrap().iter().map(|model| (model["id"].as_str().unwrap().to_owned(), node(model))).collect()
 }
 
-/// The name of an interface for this model: Linux takes up to 15 characters, and what tells models apart is at the end.
+/// The name of an interface for this model: Linux takes up to 15 characters, and the ids of models differ at their
+/// ends.
 fn interface(model: &str) -> String {
     format!("v-{}", &model[model.len().saturating_sub(13)..])
 }

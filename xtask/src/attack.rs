@@ -33,7 +33,7 @@ const FOLDER: &str = "target/attack";
 /// Number of threads: one for each processor of CI's machines.
 const THREADS: u64 = 2;
 
-/// Attacks the program for that time.
+/// Builds the program, and attacks it for the time in `args`.
 ///
 /// # Errors
 /// If the program can't be built, or fails.
@@ -64,8 +64,8 @@ pub fn built(span: &str) -> Result<()> {
 }
 
 fn by_child(span: Duration, seed: u64) -> Result<()> {
-    // The system reports the largest memory of all children, so the attack runs in a process without compilers among
-    // them.
+    // The system reports the largest memory of all children of a process, so the attack runs in a process that has no
+    // compiler among its children.
     let this = this_program()?;
     let args = ["attack", "--built", "--for", &format!("{}s", span.as_secs()), "--seed", &seed.to_string()];
     run(&this.to_string_lossy(), &args)

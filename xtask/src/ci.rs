@@ -109,7 +109,7 @@ static FETCHING: Mutex<Option<JoinHandle<Result<()>>>> = Mutex::new(None);
 /// programs.
 fn fetch() -> Result<()> {
     let needed = peers::install_all().and_then(|()| browser::install_all()).and_then(|()| vcan::install_all());
-    // Without these, their steps are skipped.
+    // If these programs can't be installed, the steps that need them are skipped.
     let optional = windows::install_compiler().and_then(|()| web::prepare());
     if let Err(missing) = optional {
         eprintln!("{missing:#}");
@@ -193,7 +193,8 @@ fn everyday_tests() -> Result<()> {
     test(&["--workspace"])
 }
 
-/// With nextest one compilation also serves the tests that have steps of their own; cargo can't leave such tests out.
+/// Runs the tests that have no step of their own. With nextest, one compilation also serves the tests with steps of
+/// their own; cargo can't leave such tests out.
 fn tests() -> Result<()> {
     if !has_nextest() {
         return everyday_tests();
@@ -235,7 +236,8 @@ fn has_nextest() -> bool {
     is_there("cargo", &["nextest", "--version"])
 }
 
-/// The features are the same as for the tests, so that the compiled libraries are reused.
+/// Runs the examples in the documentation, with the same features as the tests, so that the compiled libraries are
+/// reused.
 fn doc_tests() -> Result<()> {
     run("cargo", &[&["test", "--workspace", "--locked", "--doc"], &FEATURES[..]].concat())
 }
@@ -253,8 +255,8 @@ fn attacked_long() -> Result<()> {
     attack::attack(&["--for".to_owned(), "10m".to_owned()])
 }
 
-/// Runs all cases and properties against all faults and liberties, and the fuzzer against all faults. The tests run a
-/// part of it.
+/// Runs the whole selftest: all cases and properties against all faults and liberties, and the fuzzer against all
+/// faults. The tests run only a part of the selftest.
 fn self_test() -> Result<()> {
     // The program that was built for the tests: it checks its arithmetic.
     let program = built();
@@ -274,8 +276,8 @@ fn component(command: &str, name: &str) -> Result<()> {
     run("rustup", &["component", "add", name])
 }
 
-/// Broken links and missing docs of the libraries are errors. The program's doc comments are help texts, whose
-/// brackets are no links.
+/// Builds the documentation of the libraries; broken links and missing docs are errors. The program's doc comments are
+/// help texts, whose brackets are no links.
 fn documentation() -> Result<()> {
     eprintln!("$ cargo doc");
     let status = Command::new("cargo")

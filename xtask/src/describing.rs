@@ -14,7 +14,7 @@ const CHECKED: (u32, u32) = (1_000, 500);
 /// Number of objects in the file that the editor opens.
 const LARGE: u32 = 10_000;
 
-/// Checks many files, and edits a large one: without findings, and with thousands.
+/// Checks many files, and edits a large file twice: without findings, and with thousands of findings.
 ///
 /// # Errors
 /// If a program can't be run or the language server sends an unexpected message.

@@ -174,7 +174,7 @@ fn package() -> Result<Vec<String>> {
 /// The name of the archive for Windows.
 fn archive_for_windows() -> Result<String> {
     let root = folder(windows::TARGET, ON_WINDOWS)?;
-    // The program for Linux writes the pages, as the Windows program does not run here.
+    // The program for Linux writes the completions, as the program for Windows does not run here.
     if Path::new(PROGRAM).exists() {
         completions(POWERSHELL.0, &format!("{root}/{}", POWERSHELL.1))?;
     }

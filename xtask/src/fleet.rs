@@ -30,7 +30,7 @@ pub fn test() -> Result<()> {
 /// As [`test()`].
 pub fn step() -> Result<()> {
     run("cargo", &["fmt", "--manifest-path", MANIFEST, "--all", "--check"])?;
-    // Slow downloads run meanwhile.
+    // The readers are downloaded while the tests are compiled and run.
     std::thread::scope(|scope| {
         let installing = scope.spawn(readers::install_all);
         let tested = lints_and_tests();
@@ -49,8 +49,8 @@ fn release() -> Result<()> {
     Ok(())
 }
 
-/// The engine has five hundred crates: they are built once, without debug information, and lints and tests share that
-/// build.
+/// Runs the lints and the tests. The engine has five hundred crates: lints and tests share one build without debug
+/// information.
 fn lints_and_tests() -> Result<()> {
     let root = std::env::current_dir()?;
     let program = root.join(target_folder()).join("debug/canvass");

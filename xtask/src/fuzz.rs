@@ -23,7 +23,7 @@ const MOST_AT_ONCE: &str = "-malloc_limit_mb=128";
 /// Number of targets at the same time: CI's machines have two processors.
 const AT_ONCE: usize = 2;
 
-/// The program of all targets, and the variable with the name of one.
+/// The program that contains all targets, and below it the variable that names the target to run.
 const PROGRAM: &str = "reader";
 const VARIABLE: &str = "CANVASS_FUZZ_TARGET";
 
@@ -36,7 +36,7 @@ struct Target {
 /// `cargo xtask fuzz [--for SECONDS]`: runs every target.
 ///
 /// # Errors
-/// If the words are others, or a target finds an input that breaks it.
+/// If the arguments are wrong, or a target finds an input that breaks it.
 pub fn command(words: &[String]) -> Result<()> {
     match words {
         [] => fuzz(USUAL),
@@ -76,7 +76,7 @@ pub fn fuzz(seconds: u32) -> Result<()> {
     if failed.is_empty() { Ok(()) } else { bail!("{}", failed.join("\n")) }
 }
 
-/// All targets, as the program lists them that gets none.
+/// All targets. The program lists them if the variable names none.
 fn targets() -> Result<Vec<Target>> {
     let output = Command::new("cargo").args(["+nightly", "fuzz", "run", "--fuzz-dir", FOLDER, PROGRAM]).output();
     let output = output.context("can't run cargo fuzz")?;

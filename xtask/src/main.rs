@@ -119,7 +119,7 @@ fn main() -> Result<()> {
     }
 }
 
-/// The command of `canvass selftest --alone`, with more words.
+/// The arguments of cargo for `canvass selftest --alone`, followed by `more`.
 fn alone(more: &[String]) -> Vec<&str> {
     let selftest = ["run", "--release", "--locked", "--", "selftest", "--alone"];
     selftest.into_iter().chain(more.iter().map(String::as_str)).collect()

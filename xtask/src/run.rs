@@ -39,8 +39,8 @@ pub fn is_there(program: &str, args: &[&str]) -> bool {
     Command::new(program).args(args).output().is_ok_and(|output| output.status.success())
 }
 
-/// The path of this program. The kernel marks the path of a program that was rebuilt while it runs; the new program is
-/// used then.
+/// The path of this program. If the program was rebuilt while it runs, the kernel adds a mark to the path; without the
+/// mark, it is the path of the new program.
 pub fn this_program() -> Result<PathBuf> {
     let path = std::env::current_exe()?;
     Ok(path.to_string_lossy().trim_end_matches(" (deleted)").into())

@@ -1,7 +1,7 @@
 //! `cargo xtask vcan [WORDS...]`: the tests on real SocketCAN, or those whose names contain one of the words; with
 //! `--without-nightly` the tests of CI. They run on this kernel if it has vcan, else on Debian's kernel in QEMU. `cargo
-//! xtask vcan-load`: a minute of the highest load, measured there. `cargo xtask flaky --bus vcan` runs in the same
-//! machines.
+//! xtask vcan-load`: measures a minute of the highest load on the same kernel. `cargo xtask flaky --bus vcan` runs in
+//! the same machines.
 
 mod deal;
 mod files;
@@ -24,7 +24,7 @@ const FOLDER: &str = "target/vcan";
 const PROBE: &str = "canvassprobe";
 /// The test that `vcan-load` runs for a minute.
 const LOAD: &str = "load::nothing_is_lost";
-/// The variable for the duration of this test, and a minute in seconds.
+/// The variable for the duration of the test [`LOAD`], and a minute in seconds.
 const MINUTE: (&str, &str) = ("CANVASS_LOAD_SECONDS", "60");
 
 const IPROUTE: Package = Package { program: "ip", probe: &["-V"], package: "iproute2" };

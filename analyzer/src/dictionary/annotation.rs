@@ -38,7 +38,7 @@ impl Annotations {
         self.0.get(&object).or_else(|| self.0.get(&all).filter(|_| object.sub.0 != 0))
     }
 
-    /// The annotation of an object, for editing.
+    /// The annotation of an object, for changes. An object without an annotation gets an empty one.
     pub fn entry(&mut self, object: Multiplexer) -> &mut Annotation {
         self.0.entry(object).or_default()
     }

@@ -225,7 +225,7 @@ fn home(used: Use) -> Option<u16> {
     }
 }
 
-/// The node that sends or serves with this use.
+/// The node that sends the messages of this use, or that serves its default SDO channel.
 fn owner(used: Use) -> Option<NodeId> {
     match used {
         Use::Emcy(node) | Use::Pdo(node, _) | Use::Srdo(node, ..) | Use::ErrorControl(node) => Some(node),
@@ -290,7 +290,7 @@ mod tests {
         assert_eq!(used(0x63F), Use::SdoRequest(ChannelIndex::predefined(node(63))));
         assert_eq!(used(0x73F), Use::ErrorControl(node(63)));
         assert_eq!(used(0x7E5), Use::LssRequest);
-        // Neither NMT nor TIME: only 000h and 100h are.
+        // NMT has only 000h, and TIME has only 100h.
         assert_eq!((used(0x001), used(0x071)), (Use::GlobalFailSafe, Use::FlyingMaster));
         for id in (0x002..=0x070).chain(0x077..=0x07F).chain(0x101..=0x17F).chain([0x180, 0x580, 0x680, 0x780]) {
             assert_eq!(used(id), Use::Unknown, "{id:03X}");

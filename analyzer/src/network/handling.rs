@@ -91,7 +91,7 @@ impl Bus {
     /// A frame of an SRDO with known parameters.
     #[cold]
     fn srdo(&mut self, now: Timestamp, (id, number, half): (NodeId, u8, Half), frame: &Frame) -> Decoded {
-        // Computes a new layout, as for PDOs.
+        // Computes the layout if it is not known yet, as for PDOs.
         self.node_mut(id).srdo_layout(id, number);
         let srdo = self.srdo_pairs.configured(now, id, number, half, frame);
         plain(Service::Srdo, Some(id), Message::Srdo(srdo))
@@ -268,7 +268,7 @@ impl Bus {
     }
 
     fn pdo(&mut self, id: NodeId, number: PdoNumber, payload: &[u8]) -> Decoded {
-        // Computes a new layout, which the texts of the PDO find in the node.
+        // Computes the layout if it is not known yet: the texts of the PDO find it in the node.
         let node = self.node_mut(id);
         node.layout(id, number);
         if node.addressing(number).is_none() {

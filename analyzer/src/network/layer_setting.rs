@@ -83,8 +83,8 @@ impl LayerSetting {
         }
     }
 
-    /// Handles the start of a node. If layer setting assigned this node-ID, returns once the facts that the dialogue
-    /// told about the device.
+    /// Handles the start of a node. If layer setting assigned this node-ID, the first start returns the facts about the
+    /// device from the dialogue.
     pub fn started(&mut self, node: NodeId) -> Option<Before> {
         if self.node_id.confirmed != Some(node.raw()) {
             return None;

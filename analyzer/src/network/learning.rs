@@ -109,7 +109,7 @@ fn learn(bus: &mut Bus, server: NodeId, object: Multiplexer, value: u32, shown: 
     }
 }
 
-/// Sets the use of a COB-ID parameter's CAN-ID, and returns its former place.
+/// Sets the use of a COB-ID parameter's CAN-ID. If the use had another CAN-ID, reports the move as an event.
 fn learn_cob_id(bus: &mut Bus, node: NodeId, object: Multiplexer, value: u32, source: Source) {
     if srdo::of_communication_index(object.index.0).is_some() && object.sub.0 == 1 {
         return learn_srdo_direction(bus, node, object, source);
@@ -123,7 +123,7 @@ fn learn_cob_id(bus: &mut Bus, node: NodeId, object: Multiplexer, value: u32, so
     }
 }
 
-/// An SRDO's CAN-IDs are used only if the node has the SRDO and sends it.
+/// Handles the direction of an SRDO, on which the use of its two CAN-IDs depends: sets the use of both again.
 fn learn_srdo_direction(bus: &mut Bus, node: NodeId, object: Multiplexer, source: Source) {
     for sub in 5..=6 {
         let cob_id = Multiplexer::new(object.index.0, sub);

@@ -41,9 +41,10 @@ pub struct Node {
     pub(super) started: Option<(Timestamp, bool)>,
     /// Time of the oldest error that no EMCY has taken back.
     pub(super) error_since: Option<Timestamp>,
-    /// The communication parameters shown by the trace, as numbers, and how the trace has shown them.
+    /// The parameters that the trace has shown, of the communication and of device profiles: each as a number, and how
+    /// the trace has shown it.
     parameters: BTreeMap<Multiplexer, (u32, Shown)>,
-    /// The communication parameters after the node's next reset.
+    /// The parameters after the node's next reset.
     stored: BTreeMap<Multiplexer, (u32, Shown)>,
     layouts: Layouts,
     srdo_layouts: BTreeMap<u8, Option<Layout>>,
@@ -85,7 +86,7 @@ impl Cause {
 }
 
 impl Node {
-    /// The value of a communication parameter, from the trace or else from the description.
+    /// The value of a parameter, from the trace or else from the description.
     pub fn parameter(&self, id: NodeId, object: Multiplexer) -> Option<u32> {
         self.parameters.get(&object).map(|shown| shown.0).or_else(|| self.described(id, object))
     }
@@ -107,7 +108,7 @@ impl Node {
         *self.profile.get_or_init(|| device_type().map(|device_type| device_type as u16))
     }
 
-    /// Notes a communication parameter shown by the trace; returns whether it changes the layout of process data.
+    /// Notes a parameter shown by the trace; returns whether it changes the layout of process data.
     pub fn learn(&mut self, object: Multiplexer, value: u32, shown: Shown) -> bool {
         let written = matches!(self.parameters.get(&object), Some((_, Shown::Written)));
         if shown == Shown::Read && !written {
@@ -163,7 +164,7 @@ impl Node {
         self.parameters.contains_key(&object)
     }
 
-    /// The communication parameters shown by the trace.
+    /// The parameters shown by the trace.
     pub fn parameters(&self) -> impl Iterator<Item = (Multiplexer, u32)> {
         self.parameters.iter().map(|(&object, &(value, _))| (object, value))
     }
@@ -258,7 +259,7 @@ impl Node {
         })
     }
 
-    /// The start value of a communication parameter in the description.
+    /// The start value of a parameter in the description.
     fn described(&self, id: NodeId, object: Multiplexer) -> Option<u32> {
         let entry = self.description()?.dictionary.entry(object).ok()?;
         u32::try_from(entry.start_value(id)?.to_raw()?).ok()

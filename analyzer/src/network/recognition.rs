@@ -133,7 +133,7 @@ impl Candidate {
         self.facts.push((object, fact));
     }
 
-    /// The objects that confirm the facts; `None` if one contradicts them or there are too few.
+    /// The objects that confirm the facts; `None` if an object contradicts them, or if too few objects confirm them.
     fn evidence(&self, shown: &Shown) -> Option<Vec<Multiplexer>> {
         let mut seen = Vec::new();
         for (object, fact) in &self.facts {

@@ -14,7 +14,7 @@ use canvass_traces::{ChannelId, Frame, FrameKind, Record, SkipSet};
 pub enum Steady {
     /// All classical data frames with this 11-bit CAN-ID.
     Id(u16),
-    /// Frames with this CAN-ID and this byte as the only one.
+    /// Data frames with this CAN-ID whose only byte has this value.
     Byte(u16, u8),
     /// All classical data frames with 29-bit CAN-IDs.
     Extended,

@@ -3,7 +3,7 @@
 
 use crate::identity::Multiplexer;
 
-/// The action of writing an object.
+/// The action that a device carries out when an object is written.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Acting {
     /// Clears a history or a counter: 1003h (CiA 301, 7.5.2.3).

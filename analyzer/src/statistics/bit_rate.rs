@@ -23,7 +23,7 @@ pub struct BitRate {
     votes: [u32; RATES.len()],
     /// The rate with the latest vote.
     guess: usize,
-    /// Number of pairs closer than each guess allows.
+    /// For each rate, the number of pairs that were closer than the rate allows, while the rate was the guess.
     too_close: [u32; RATES.len()],
 }
 
@@ -65,9 +65,9 @@ impl BitRate {
         self.last = None;
     }
 
-    /// The bit rate, if enough frames agree and the times are fine enough: `slack` is the error of the times. A rate
-    /// at which `fullest`, the highest number of bits within [`Peak::WINDOW`], does not fit is replaced by the next
-    /// one at which it does.
+    /// The bit rate, if enough frames agree and the times are fine enough. `slack` is the error of the times, and
+    /// `fullest` is the highest number of bits within [`Peak::WINDOW`]. If the rate with the most votes has no room for
+    /// `fullest` bits, returns the next higher rate that has.
     pub fn inferred(&self, slack: Duration, fullest: u64) -> Option<u32> {
         const FINE: Duration = Duration::from_micros(20);
         if slack >= FINE {

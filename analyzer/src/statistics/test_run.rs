@@ -77,7 +77,8 @@ impl TestRun {
         for CaseMark { id, verdict } in CaseMark::all(comment) {
             let name = CaseName::Id(id.into());
             let verdict = verdict.map(Arc::from);
-            // The frame after the end of a case does not belong to it.
+            // The mark of an end comes before a frame that no longer belongs to the case, so the end and the last place
+            // stay.
             match self.open(&name).filter(|_| verdict.is_some()) {
                 Some(open) => open.verdict = verdict,
                 None if room.take(2 * id.len()) => self.begin(name, verdict, now, place, room),

@@ -1,5 +1,5 @@
-//! EMCY messages as text: the meaning of the code in the device's profile, otherwise in CiA 301; then the meaning in its
-//! manual.
+//! EMCY messages as text: the meaning of the code in the device's profile, otherwise in CiA 301; then the meaning in
+//! the device's manual.
 
 use super::escaped::Escaped;
 use crate::NodeId;

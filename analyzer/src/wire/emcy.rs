@@ -66,7 +66,7 @@ impl Emcy {
         self.write_rest(f)
     }
 
-    /// Writes what follows the code.
+    /// Writes the error register and the manufacturer-specific bytes.
     fn write_rest(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         if let Some(register) = self.register() {
             write!(f, ", register {register}")?;

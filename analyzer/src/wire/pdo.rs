@@ -69,7 +69,7 @@ impl TransmissionType {
         }
     }
 
-    /// Whether the value is reserved (241 to 251; for RPDOs also 252 and 253).
+    /// Whether the value is reserved for TPDOs: 241 to 251. For RPDOs 252 and 253 are reserved as well.
     pub const fn is_reserved_for_tpdo(self) -> bool {
         matches!(self.0, 241..=251)
     }

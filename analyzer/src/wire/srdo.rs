@@ -4,7 +4,7 @@
 //! odd CAN-ID 101h..17Fh:  the data
 //! the even one after it:  the same data with every bit inverted
 //! 001h:                   global fail-safe command
-//! 1301h..1340h:05, :06:   the two CAN-IDs; :01 whether there is none (0), the node sends (1) or receives it (2)
+//! 1301h..1340h:05, :06:   the two CAN-IDs; :01 no SRDO (0), the node sends it (1), the node receives it (2)
 //! 1381h..13C0h:           the mapping: odd sub-indexes the data, even ones the inverted data
 //! ```
 //!

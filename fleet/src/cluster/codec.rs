@@ -25,7 +25,8 @@ use std::sync::Arc;
 /// of an invalid type.
 const MARK: &[u8] = b"\x07canvass\n";
 
-/// The message, with the version of the tables: processes of different versions would mean different columns.
+/// A message with the version of the tables. A receiver of another version refuses the message, because it may have
+/// other columns.
 #[derive(Serialize, Deserialize)]
 struct Sent<T> {
     schema: u32,

@@ -69,7 +69,7 @@ impl Diagnosing {
     /// Passes the latest item of the capture to the diagnosis. A record is moved out of `reading`.
     ///
     /// # Errors
-    /// The errors of `diagnosis::Reading`. They come from the temporary file of an HTML report, which is not made here.
+    /// The errors of `diagnosis::Reading`. They come from the collector of an HTML report, which is not made here.
     pub fn take(&mut self, seen: Seen, reading: &mut Reading) -> Result<(), ScanError> {
         self.is_damaged |= seen != Seen::Record;
         if seen == Seen::Damage {

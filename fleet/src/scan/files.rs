@@ -82,7 +82,7 @@ fn batch(files: &[CaptureFile]) -> Result<RecordBatch> {
     Ok(RecordBatch::try_new(schema(), vec![names, sizes, modified])?)
 }
 
-/// The files in one partition of such a plan; blocks.
+/// The files in one partition of a [`plan`] of files. The call blocks.
 ///
 /// # Errors
 /// If the plan has other columns.
@@ -105,7 +105,7 @@ pub fn listed(input: SendableRecordBatchStream, handle: &Handle) -> Result<Vec<C
     Ok(files)
 }
 
-/// Number of files that such a plan names, in all partitions or in one.
+/// Number of files that a [`plan`] of files names, in all partitions or in one; `None` for another plan.
 pub fn count(plan: &Arc<dyn ExecutionPlan>, partition: Option<usize>) -> Option<usize> {
     let source: &dyn Any = plan.downcast_ref::<DataSourceExec>()?.data_source().as_ref();
     let partitions = source.downcast_ref::<MemorySourceConfig>()?.partitions();

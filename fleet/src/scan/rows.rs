@@ -54,7 +54,7 @@ pub trait OfFrames {
     /// Whether neither this frame, which is the latest, nor any frame like it gives rows.
     fn refuses(&mut self, frame: Understood<'_>, steady: Steady) -> bool;
 
-    /// Reports `frames` skipped frames before the next frame; `Break` if no more are wanted.
+    /// Reports `frames` skipped frames before the next frame; `Break` if no more rows are wanted.
     fn skipped(&mut self, frames: usize) -> ControlFlow<()>;
 }
 

@@ -181,7 +181,7 @@ impl Texts {
     }
 }
 
-/// A dictionary column. Captures name the same things again and again, so the last name is compared first.
+/// A dictionary column. The same name often follows itself, so each name is first compared with the last one.
 #[derive(Default)]
 struct Names {
     keys: Int32Builder,

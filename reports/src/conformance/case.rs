@@ -14,9 +14,9 @@ use canvass_traces::{Direction, Timestamp};
 /// Maximum number of lines of a case below its title on a terminal. With the title and an empty line before it, a case
 /// fits on a terminal of 24 lines.
 const LINES: usize = 22;
-/// Maximum number of these lines for breaches.
+/// Maximum number of lines for breaches, among the [`LINES`].
 const BREACHES: usize = 12;
-/// Maximum number of these lines for remarks.
+/// Maximum number of lines for remarks, among the [`LINES`].
 const REMARKS: usize = 4;
 /// Maximum number of frames on a terminal. More frames explain nothing.
 const FRAMES: usize = 16;

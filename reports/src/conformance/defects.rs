@@ -1,6 +1,6 @@
 //! Defects: cases in which the device did the same in the same situation.
 //!
-//! Whoever mends a firmware wants to know how many things are wrong with it, not how many cases see them.
+//! An engineer who repairs a firmware needs the number of its defects, not the number of cases that see them.
 
 use super::{Run, is_bad};
 use canvass_analyzer::Service;
@@ -19,18 +19,18 @@ pub struct Defect<'a> {
     pub others: Vec<&'a CaseReport>,
 }
 
-/// What cases of the same defect have in common.
+/// The property that all cases of a defect share.
 #[derive(PartialEq)]
 enum Cause<'a> {
-    /// An answer that breaks the SDO protocol is wrong in every situation.
+    /// The broken rule of the SDO protocol: an answer that breaks it is wrong in every situation.
     Violation(Discriminant<Violation>),
-    /// An answer that the standard does not allow in this situation.
+    /// The situation, and the answer that the standard does not allow in it.
     Listed(Situation, &'a Observation),
-    /// A part of the device that shows something wrong, whatever was asked of it.
+    /// The part of the device, and the wrong observation that it shows whatever is requested from it.
     Shown(Subject, &'a Observation),
-    /// What only the same duty makes the same.
+    /// The duty and the wrong observation, for observations that may have another cause if another duty is broken.
     Duty(&'a str, &'a Observation),
-    /// A case that could not be judged, for this reason.
+    /// The verdict and its reason, for a case that could not be judged.
     Undecided(Kind, Reason),
 }
 
@@ -71,7 +71,8 @@ fn of_breach(breach: &Breach) -> Cause<'_> {
     match (&breach.situation, &breach.actual) {
         (_, Observation::Violation(violation)) => Cause::Violation(discriminant(violation)),
         (When::Listed { situation, .. }, actual) => Cause::Listed(*situation, actual),
-        // An SDO server answers all kinds of requests, and silence has many causes.
+        // A wrong answer of an SDO server, or silence, may have many causes: cases with such an observation show one
+        // defect only if they break the same duty.
         (When::Own(duty), actual) if breach.subject == Subject::Service(Service::Sdo) => Cause::Duty(duty, actual),
         (When::Own(duty), actual @ Observation::Silence) => Cause::Duty(duty, actual),
         (_, actual) => Cause::Shown(breach.subject, actual),

@@ -16,7 +16,7 @@ struct Delay {
     took: Duration,
 }
 
-/// The delays in a case over its time. Empty if there are too few.
+/// A picture of the response times in a case, over its time. Empty if there are too few answers.
 pub fn plot(frames: &[&Exhibit]) -> Markup {
     let delays = delays(frames);
     let times = || frames.iter().map(|exhibit| exhibit.record.timestamp);

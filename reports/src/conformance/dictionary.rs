@@ -101,7 +101,7 @@ fn shown(change: &Change, value: Option<&[u8]>) -> String {
     }
 }
 
-/// The comparison, if it has more to say than the sentence.
+/// The comparison, if the run has left changed values.
 pub(super) fn left(run: &Run) -> Option<&Comparison> {
     run.comparison.as_ref().filter(|comparison| rows(comparison).next().is_some())
 }

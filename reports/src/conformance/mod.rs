@@ -36,7 +36,7 @@ pub trait Reporter {
     /// The errors of writing the report.
     fn event(&mut self, event: &RunEvent<'_>) -> io::Result<()>;
 
-    /// Sets the provenance of the result, as far as it is known by now. The latest is reported.
+    /// Sets the provenance of the result, as far as it is known by now. A later call replaces the provenance.
     fn comes_from(&mut self, provenance: &Provenance);
 }
 

@@ -158,7 +158,8 @@ pub(super) fn push_data(record: &Record, out: &mut Vec<u8>) {
     pad(out, start, DATA_WIDTH);
 }
 
-/// The colour that highlights a message: red for errors, yellow for states, cyan for commands.
+/// The colour of a message: red for errors, yellow for boot-ups, cyan for commands, green for PDOs, grey for SYNC,
+/// heartbeats, node guarding and unknown messages. Other messages have none.
 pub(super) fn service_color(service: Service, message: &Message, violation: Option<Violation>) -> Option<Color> {
     use canvass_analyzer::wire::sdo::{Request, Response};
     match (service, message) {

@@ -52,7 +52,7 @@ impl Reading {
     /// Takes the next record. It leaves another record in its place, so that memory is reused.
     ///
     /// # Errors
-    /// The errors of the page's collector, which may write to a file.
+    /// The errors of the page's collector.
     #[inline]
     pub fn record(&mut self, record: &mut Record, captures: &Merge) -> io::Result<()> {
         self.order.push(record);

@@ -12,7 +12,7 @@ use std::io::{self, Write};
 const PAGE: u16 = 120;
 /// For facts of the document: the width of the fact's name in columns, and the text after the name.
 const WIDE: (usize, &str) = (12, " ");
-/// The same for facts within a finding.
+/// For facts within a finding: the width of the fact's name in columns, and the text after the name.
 const NARROW: (usize, &str) = (8, "  ");
 
 /// Writes the document.

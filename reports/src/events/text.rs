@@ -101,7 +101,7 @@ fn kind(scene: &Scene<'_>, event: &Event) -> &'static str {
     }
 }
 
-/// The colour of an event, as for frames: red for errors, yellow for starts, cyan for commands.
+/// The colour of an event, as for frames: red for errors, yellow for changes of state, cyan for commands.
 fn color(event: &Event) -> Option<Color> {
     match event {
         Event::Emergency(_, emergency) if emergency.emcy.code().is_none_or(|code| !code.is_reset()) => Some(Color::Red),

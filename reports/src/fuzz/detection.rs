@@ -7,8 +7,8 @@ use std::fmt::Write as _;
 use std::io::{self, Write};
 use std::time::Duration;
 
-/// The table for people. A line for each fault has the median and the longest time of all seeds, the number of frames
-/// of the shortened sequence, and the violated property.
+/// The table for people. A line for each fault has the median and the longest time of all seeds, the median and the
+/// largest number of frames of the shortened sequences, and the violated property.
 pub fn text(table: &Table) -> String {
     let mut text = String::new();
     for row in &table.rows {

@@ -1,4 +1,4 @@
-//! The cases whose verdict in a whole run differs from the one that they give alone.
+//! The cases whose verdict in a whole run differs from their verdict when they run alone.
 
 use super::line;
 use crate::results::selftest::{AloneDifference, AloneFirmware, AloneSelftestResult};
@@ -36,7 +36,7 @@ fn told(difference: &Difference, explanation: Option<&str>) -> AloneDifference {
     }
 }
 
-/// A line for each firmware with differences, with a line for each that is not explained, and a summary.
+/// A line for each firmware with differences, a line for each of its differences that is not explained, and a summary.
 pub fn text(rows: &[AloneRow]) -> String {
     let mut text = String::new();
     for row in rows.iter().filter(|row| !row.explained.is_empty() || !row.unexplained.is_empty()) {

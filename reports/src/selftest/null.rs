@@ -35,7 +35,8 @@ fn alarm((case, kind, reason): &(&'static Case, Kind, Reason)) -> FalseAlarm {
     FalseAlarm { case: case.id.into(), reason: reason.to_string(), verdict: Verdict(*kind) }
 }
 
-/// A line for each device, and for each pass that the reviewed list does not contain.
+/// A line for each device, for each pass that the reviewed list does not contain, for each case of the list that did
+/// not pass, and for each false alarm; then a summary.
 pub fn text(rows: &[NullRow]) -> String {
     let mut text = String::new();
     for row in rows {

@@ -61,7 +61,8 @@ fn primitives(matrix: &WireMatrix) -> Vec<(Primitive, Counts)> {
     Primitive::all().into_iter().map(|primitive| (primitive, of(primitive))).collect()
 }
 
-/// The survivors, the mutants found by a case of another service, and a table by primitive.
+/// The survivors, the mutants found by a case of another service, the messages that no model sends, and a table by
+/// primitive.
 pub fn text(matrix: &WireMatrix) -> String {
     let mut text = String::new();
     for row in matrix.survivors() {

@@ -138,7 +138,8 @@ struct Missing {
 }
 
 impl Missing {
-    /// Names all objects from `index` on: the device stays silent for absent objects, so each would cost a timeout.
+    /// The missing part if the device stays silent for absent objects: all objects from `index` on, because reading
+    /// each of them would cost a timeout.
     fn area(node: NodeId, index: Index) -> Self {
         let what = format!(
             "node {node} does not answer requests for absent objects (expected: abort 0602 0000h): nothing was read \
@@ -147,7 +148,7 @@ impl Missing {
         Self { what, status: Status::Unreachable }
     }
 
-    /// Names all objects from `unread` on, with the error as the reason.
+    /// The missing part if an error ended the reading: all objects from `unread` on.
     fn since(error: &SurveyError, unread: Option<Multiplexer>) -> Self {
         let from = unread.map(|at| format!(", from {at} on")).unwrap_or_default();
         match error {

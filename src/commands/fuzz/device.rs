@@ -108,8 +108,8 @@ impl Device {
         }
     }
 
-    /// The position of the zero point; `None` if no command moves one, if the device does not answer, or if the device
-    /// is simulated and made anew.
+    /// The position of the zero point; `None` if no command moves the zero point, if the device does not answer, or if
+    /// the device is simulated and made anew.
     pub fn zero_point(&mut self) -> Option<ZeroPoint> {
         match &mut self.place {
             Place::Live(bus) => zero_point_of(bus.as_mut(), &self.target),

@@ -64,8 +64,8 @@ impl Document {
         }
     }
 
-    /// Applies changes one after the other. A change that makes the text larger than the limit of descriptions is
-    /// ignored.
+    /// Applies changes one after the other. A change of a part is ignored if it makes the text larger than the limit of
+    /// descriptions.
     pub fn change(&mut self, changes: Vec<TextDocumentContentChangeEvent>, version: i32, units: Units) {
         for change in changes {
             match change.range {

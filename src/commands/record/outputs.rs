@@ -154,8 +154,9 @@ fn create(
     let live = destination.is_stdout();
     let file: Box<dyn Write> = if live { Box::new(raw()) } else { destination.open_growing(&Output::capture())? };
     let sink = Box::new(Counted { file, written: Rc::clone(written) });
-    // A live MCAP file usually has no chunks, so that each frame is readable at once; the recorder flushes four times
-    // a second, and chunks cost nothing then.
+    // Frames in an MCAP file are readable at once only if the file has no chunks, which is usual for a live file. The
+    // recorder flushes four times a second, and each flush completes a chunk: if the recorder is killed, chunks lose no
+    // more frames.
     let options = WriteOptions { time_base, live, ..WriteOptions::default() };
     Ok(Recording::create(sink, destination.format, destination.compression, &options)?)
 }

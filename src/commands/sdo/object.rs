@@ -4,7 +4,8 @@ use anyhow::{Result, bail};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::dictionary::DeviceDescription;
 
-/// The address of an object: `1018:01`, `0x1018:1`, `1018h:01`, `1018` for sub-index 0, or a name.
+/// The address of an object: `1018:01`, `0x1018:1`, `1018h:01`, `1018` for sub-index 0, a name, or a part of only one
+/// name.
 pub fn resolve(text: &str, description: Option<&DeviceDescription>) -> Result<Multiplexer> {
     if let Some(address) = parse(text) {
         return Ok(address);

@@ -11,16 +11,16 @@ use canvass_traces::Duration;
 /// Which of the chosen cases run.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, clap::ValueEnum)]
 pub enum Profile {
-    /// All of them.
+    /// All chosen cases.
     Full,
-    /// Those that together catch 90 % of the known faults in the least time.
+    /// Chosen cases that together catch 90 % of the known faults in the least time.
     Quick,
 }
 
 /// The share of the known faults, in percent, that a quick run catches.
 const QUICK: usize = 90;
 
-/// The part of `--for`, in tenths, that the cases may take: the rest is for reading the device and for putting it back.
+/// The part of `--for`, in tenths, that the cases may take: the rest is for reading and restoring the device.
 const FOR_CASES: u64 = 7;
 
 /// The cases that run, and a sentence about those that are left out.
@@ -43,7 +43,7 @@ pub fn affordable(args: &Args, cases: Vec<&'static Case>, options: &Options) -> 
     if let Some(span) = args.span {
         chosen = fitting(&by_benefit(&chosen), span, args.repeat);
     }
-    // Cases that can lose the device are the last ones of every run.
+    // In every run, the cases that can lose the device come last.
     chosen.sort_by_key(|timed| timed.case.can_lose_the_device());
     let told = told(&timed, &chosen);
     Ok(Affordable { cases: chosen.iter().map(|timed| timed.case).collect(), told: Some(told) })

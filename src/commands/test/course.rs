@@ -51,8 +51,8 @@ impl Course<'_> {
             match event {
                 RunEvent::RunStarted(info) => self.provenance.node(info.node, info.device.clone()),
                 RunEvent::CaseFinished(report) if self.args.waivers.is_some() => {
-                    // The caller needs only whether a waiver applied; without its evidence a report takes little
-                    // memory.
+                    // The caller only needs to know whether a waiver applied. Without the evidence, a report takes
+                    // little memory.
                     finished.push(CaseReport { evidence: Evidence::default(), ..(*report).clone() });
                 }
                 RunEvent::RunFinished(_) => {

@@ -70,7 +70,7 @@ pub fn dry_run(
 pub fn timed(args: &Args, cases: &[&'static Case], options: &Options) -> Result<Vec<Timed>, Failure> {
     let (mut opened, like) = stand_in(args)?;
     let target = args.target(&opened, Vec::new())?;
-    // On the stand-in nothing has to be spared, and its time costs nothing.
+    // The stand-in needs no protection, and its time costs nothing.
     let options = Options { limit: None, repeat: 1, journal: None, power_cycle: None, ..options.clone() };
     let forecast = simulate(&mut opened, &target, cases, &options, like)?;
     Ok(forecast.run().map(|row| Timed { case: row.case, takes: row.takes }).collect())

@@ -112,8 +112,8 @@ impl Recorder {
         }
     }
 
-    /// Adds a marker frame of CiA's test tool. The marker gets the time of the frame before it, so that none is added
-    /// before the first frame.
+    /// Adds a marker frame of CiA's test tool. The marker gets the time of the frame before it: before the first frame,
+    /// no marker is added.
     fn cct_marker(&self, case: &'static Case, verdict: Option<Verdict>) {
         if self.cct_markers && self.frames.load(Ordering::Relaxed) > 0 {
             let (group, number) = place_of(case);

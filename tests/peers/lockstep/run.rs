@@ -146,7 +146,7 @@ impl Told {
     }
 }
 
-/// Adds the user's lines about the object dictionary to the answer.
+/// Adds to the answer whether the device is as found, and the lines about the object dictionary that a user reads.
 fn compare(answer: &mut Value, comparison: &Comparison) {
     answer["is_as_found"] = comparison.is_as_found().into();
     answer["lines"] = lines(comparison).into();

@@ -165,7 +165,8 @@ impl CanopenRs {
         match written.index {
             0x1400..=0x1BFF => self.node.configure_pdos_from_od(),
             0x1017 => self.set_heartbeat(now),
-            // "A master writes 0 to clear": the stack has only this one way to empty the list.
+            // The documentation says: "A master writes 0 to clear". `clear_errors` is the stack's only way to empty the
+            // list.
             0x1003 => {
                 self.node.clear_errors();
             }
@@ -196,7 +197,7 @@ impl Default for CanopenRs {
     }
 }
 
-/// "Construct the node with any placeholder id".
+/// A node-ID for a node that has none yet. The documentation says: "Construct the node with any placeholder id".
 fn placeholder() -> NodeId {
     NodeId::BROADCAST
 }

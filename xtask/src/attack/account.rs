@@ -18,7 +18,7 @@ use std::collections::BTreeMap;
 pub struct Accounted {
     /// Number of counted rows.
     pub rows: u64,
-    /// Number of rows that the change has made rows of another known kind, which need no report.
+    /// Number of changed rows that look like no frame any more, and so need no report.
     pub became_others: u64,
     /// Missing frames without a report.
     pub silent_loss: Option<String>,

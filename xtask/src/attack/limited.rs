@@ -6,7 +6,8 @@ use std::path::PathBuf;
 use std::process::{Command, Stdio};
 use std::time::{Duration, Instant};
 
-/// Limit of the allocated memory in KiB, more than the memory in use, for a build without optimisation.
+/// Limit of the reserved addresses in KiB, for a build without optimisation. A process reserves more memory than it
+/// uses.
 const MEMORY: u64 = 400_000;
 /// Limit of processor time in seconds.
 const CPU: u64 = 20;

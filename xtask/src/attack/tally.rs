@@ -15,7 +15,7 @@ pub struct Tally {
     /// Number of captures whose rows were counted, and number of their rows.
     accounted: u64,
     rows: u64,
-    /// Number of rows that the change made another kind, such as a comment.
+    /// Number of changed rows that look like no frame any more, such as comments.
     became_others: u64,
     worst: (Duration, String),
     pub rogues: u64,

@@ -59,7 +59,7 @@ impl Editor {
         Ok(())
     }
 
-    /// Replaces a line by a new text; waits for the findings.
+    /// Replaces a line by a text and a number that is new in each call; waits for the findings.
     pub fn change(&mut self, line: usize, text: &str) -> Result<()> {
         self.write(line, &format!("{text} {}", self.version + 1))
     }

@@ -25,7 +25,7 @@ pub enum Starved {
     Device,
 }
 
-/// The repetition.
+/// The options of `cargo xtask flaky`.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Options {
     /// Number of runs.
@@ -90,7 +90,8 @@ impl Options {
         Ok(options)
     }
 
-    /// The arguments for the same repetition in a machine, with another number of runs.
+    /// The arguments with which the process in the machine repeats the suite in the same way, with another number of
+    /// runs.
     pub fn words(&self, runs: u32) -> Vec<String> {
         let mut words = vec![IN_MACHINE.to_owned(), "--bus".to_owned(), "vcan".to_owned()];
         let mut add = |name: &str, value: String| words.extend([name.to_owned(), value]);

@@ -48,7 +48,7 @@ pub struct Verdicts {
 
 impl Verdicts {
     /// The verdicts of the simulated bus; for cases that can't be decided over the transport, also the verdict of an
-    /// idle machine. If the idle machine was late, the verdict of the simulated bus holds alone.
+    /// idle machine. If the idle machine was late, only the verdict of the simulated bus counts.
     ///
     /// # Errors
     /// If the two runs have different cases.

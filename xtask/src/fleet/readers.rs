@@ -9,7 +9,7 @@ use std::process::Command;
 
 /// The Python with the libraries.
 pub const PYTHON: &str = "target/fleet-venv/bin/python";
-/// The libraries installed there.
+/// The Python environment of all readers but Spark.
 pub const VENV: Venv = Venv {
     folder: "target/fleet-venv",
     python: PYTHON,
@@ -26,7 +26,7 @@ const SPARK: Venv = Venv {
 };
 const JAVA: Package = Package { program: "java", probe: &["-version"], package: "openjdk-17-jre-headless" };
 
-/// The examples with their interpreters; each must print the result of the statement below.
+/// The examples with their interpreters; each must print the result of [`STATEMENT`].
 const EXAMPLES: [(&str, &str); 4] = [
     ("docs/examples/fleet-duckdb.py", PYTHON),
     ("docs/examples/fleet-polars.py", PYTHON),
@@ -36,7 +36,7 @@ const EXAMPLES: [(&str, &str); 4] = [
 const STATEMENT: &str = "SELECT arrow_cast(service, 'Utf8') AS service, count(*) AS frames FROM messages \
                          GROUP BY service ORDER BY service";
 
-/// Installs all of them.
+/// Installs the readers: both Python environments, and Java.
 ///
 /// # Errors
 /// If an installation fails.
@@ -46,7 +46,7 @@ pub fn install_all() -> Result<()> {
     SPARK.install()
 }
 
-/// Makes a lake and lets all of them read it.
+/// Makes a lake and lets each example read it.
 ///
 /// # Errors
 /// If a result differs.

@@ -83,7 +83,7 @@ fn random(state: &mut u64) -> u64 {
 }
 
 fn line(text: &str, number: usize, form: Form) -> String {
-    // The body begins at the end of the line with the function's name, or after its parameters.
+    // A body begins at the end of the function's signature, so the line of a body is not the changed code.
     let line = text.lines().nth(number - 1).unwrap_or_default().trim();
     if form == Form::Body { String::new() } else { line.to_owned() }
 }

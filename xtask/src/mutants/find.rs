@@ -73,7 +73,7 @@ impl Finder<'_> {
         }
     }
 
-    /// Adds mutants that exchange the bodies of neighbouring arms which bind nothing.
+    /// Adds mutants in which an arm has the body of the next arm, for neighbouring arms which bind nothing.
     fn swap_arms(&mut self, arms: &[syn::Arm]) {
         for pair in arms.windows(2) {
             let [one, other] = pair else { continue };

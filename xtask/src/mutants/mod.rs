@@ -51,7 +51,8 @@ struct Wishes {
 /// Draws mutants, runs the tools on them and prints the results.
 ///
 /// # Errors
-/// If the program can't be built, or a tool finds something on the device without a mutant.
+/// If the program can't be built, a tool finds something on the device without a mutant, or the list of equivalent
+/// mutants names code that no longer exists.
 pub fn mutants(args: &[String]) -> Result<()> {
     let wishes = Wishes::read(args)?;
     if let Some(area) = wishes.tests {

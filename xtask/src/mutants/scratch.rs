@@ -109,7 +109,8 @@ fn manifest(area: &Area) -> Result<String> {
         dependencies.split_once("\n[package]").context("Cargo.toml has no [package] after [workspace.package]")?;
     let members: Vec<String> = area::CRATES.iter().map(|name| format!("\"{name}\"")).collect();
     let members = members.join(", ");
-    // If a crate's own tests are run, every change of a test rebuilds it, which takes longer than its quick tests.
+    // A crate whose own tests look for its mutants is not optimised: each change of a test compiles the crate again,
+    // and optimising it would take longer than its quick tests.
     let optimised = match area.name {
         "device" => "opt-level = 2\n".to_owned(),
         _ => format!("opt-level = 1\n\n[profile.mutants.package.{}]\nopt-level = 0\n", area.package),
@@ -149,7 +150,8 @@ pub fn cargo(area: &Area, arguments: &[&str]) -> Command {
     command
 }
 
-/// Builds the crate with its dependencies, which its tests then need not build.
+/// Builds the crate with its dependencies, which the tests of the crate then need not build. Returns the errors of the
+/// compiler.
 fn check(area: &Area) -> Result<Vec<Mistake>> {
     let arguments = ["build", "--profile", "mutants", "--package", area.package, "--message-format=json"];
     let output = cargo(area, &arguments).stderr(Stdio::null()).output().context("cargo build")?;

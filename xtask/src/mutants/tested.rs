@@ -15,9 +15,9 @@ use std::time::{Duration, Instant};
 
 /// Limit of memory in KiB: a mutant that fills its memory ends.
 const MEMORY: u64 = 4_000_000;
-/// Maximum processor time of a mutant, as a multiple of the time that the test takes without a mutant.
+/// Maximum processor time of a test on a mutant, as a multiple of the time that the test takes without a mutant.
 const SLOWER: u32 = 10;
-/// Seconds that a mutant may take in addition.
+/// Seconds that a test on a mutant may take in addition to [`SLOWER`] times its usual time.
 const BESIDES: u64 = 5;
 
 /// The result of the tests on a mutant.

@@ -3,7 +3,8 @@
 use super::modules::{Crate, ModulePath};
 use std::collections::{BTreeMap, BTreeSet};
 
-/// The uses between the files and folders of one level: for each user and each used name, the modules of one such use.
+/// The uses between the files and folders of one level: for each name and each name that it uses, one example of a
+/// using and a used module.
 type Level<'a> = BTreeMap<String, BTreeMap<String, (&'a [String], ModulePath)>>;
 
 /// The circles of a crate that contain a folder, as text.

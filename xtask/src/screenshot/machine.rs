@@ -3,7 +3,8 @@
 use anyhow::Result;
 use std::fmt::Write;
 
-/// Half a minute: node 5 is without supply from 12 to 20.3 s; node 2 misses its heartbeat and stops; two resets.
+/// Half a minute: node 5 has no supply from 12 to 20.3 s, node 2 misses the heartbeat of node 5 and becomes
+/// pre-operational, and a master resets node 5 twice in vain.
 pub fn machine() -> Result<String> {
     let mut frames: Vec<(u64, String)> = [
         (211, "702#00"),

@@ -46,7 +46,7 @@ const UNNEEDED: [&str; 18] = [
 ];
 
 /// Makes the archive of all files, which the kernel unpacks into its memory. `names`: the tests of each machine.
-/// `settings`: variables of their environment.
+/// `settings`: variables of the tests' environment.
 pub fn archive(kernel: &Kernel, job: &Job, names: &[Vec<String>], settings: &[(&str, &str)]) -> Result<PathBuf> {
     let root = std::env::current_dir()?;
     let stage = root.join(FOLDER).join("stage");
@@ -98,7 +98,8 @@ pub fn archive(kernel: &Kernel, job: &Job, names: &[Vec<String>], settings: &[(&
     files.pack(&stage, &root.join(FOLDER).join("files.cpio"))
 }
 
-/// Whether a file is Python's shared library: if its user has built it, three quarters of it are symbols for debuggers.
+/// Whether a file is Python's shared library. If the user has built Python, three quarters of this file are symbols for
+/// debuggers.
 fn is_library_of_python(path: &Path) -> bool {
     path.file_name().is_some_and(|name| name.to_string_lossy().starts_with("libpython"))
 }

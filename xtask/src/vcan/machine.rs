@@ -65,8 +65,8 @@ pub fn install_all() -> Result<()> {
     install(&QEMU).context("can't install QEMU and the packages that start a kernel in it")
 }
 
-/// Runs the tests with these names, distributed over as many machines as there are processors.
-/// `settings`: variables of their environment.
+/// Runs the tests with these names, distributed over as many machines as there are processors. `settings`: variables of
+/// the tests' environment.
 pub fn run(job: &Job, names: &[String], settings: &[(&str, &str)]) -> Result<()> {
     install_all()?;
     fs::create_dir_all(FOLDER)?;

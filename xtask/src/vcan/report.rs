@@ -14,7 +14,7 @@ pub enum Line {
     End {
         /// The name of the test.
         name: String,
-        /// 0 if it passed.
+        /// The exit status: 0 if the test passed.
         status: String,
         /// The machine's clock.
         uptime: Uptime,
@@ -59,7 +59,7 @@ impl Line {
 /// A test that has ended.
 pub struct Ended {
     pub name: String,
-    /// 0 if it passed.
+    /// The exit status: 0 if the test passed.
     pub status: String,
     /// Duration in seconds on this computer.
     pub wall: f64,

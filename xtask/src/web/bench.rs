@@ -22,7 +22,7 @@ const LOOK: Duration = Duration::from_millis(100);
 /// Number of rows to which the list scrolls.
 const SCROLLED: u32 = 100;
 
-/// Measures and prints.
+/// Measures the page and the program, and prints the results.
 ///
 /// # Errors
 /// If something is missing or can't be built, or the page does not answer.
@@ -46,7 +46,8 @@ pub fn bench() -> Result<()> {
     measured
 }
 
-/// Measures the time from the choice of the file to the page of the diagnosis, and the rows of the list.
+/// Measures the time from the choice of the file to the page of the diagnosis, and the time until the rows of the list
+/// appear after scrolling.
 fn million(log: &str) -> Result<()> {
     println!("{FRAMES} frames, {} MB, best of {RUNS} runs", fs::metadata(log)?.len() / 1_000_000);
     let command = [&release("canvass"), "diagnose", "--format", "html", "--fail-on", "never", log];
@@ -89,7 +90,8 @@ fn diagnosed(browser: &Browser) -> f64 {
     browser.number("return performance.getEntriesByName('canvass-diagnosis').at(-1).duration") / 1e3
 }
 
-/// Milliseconds from a move of the scroll bar until all rows there have their texts: the median and the maximum.
+/// Milliseconds from a move of the scroll bar until all rows at the new position have their texts: the median and the
+/// maximum.
 fn scrolled(browser: &Browser) -> Result<[f64; 2]> {
     let script = format!(
         "return (async () => {{
@@ -145,7 +147,7 @@ fn gigabyte() -> Result<()> {
     Ok(())
 }
 
-/// Does something, and measures the peak of the tab's memory meanwhile, in kB.
+/// Calls `does`, and measures the peak of the tab's memory meanwhile, in kB.
 fn watched<T>(browser: &Browser, does: impl FnOnce() -> Result<T>) -> Result<(T, u64)> {
     let ended = AtomicBool::new(false);
     std::thread::scope(|scope| {

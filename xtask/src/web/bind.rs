@@ -1,5 +1,5 @@
 //! JavaScript for WebAssembly, by the library of wasm-bindgen, so that no program of the matching version has to be
-//! installed. The library takes long to build, so it is behind a feature that only this needs.
+//! installed. The library takes long to build, so that it is compiled only with the feature `web`.
 
 use anyhow::Result;
 
@@ -20,7 +20,7 @@ pub fn bind(wasm: &str, folder: &str) -> Result<()> {
     Ok(())
 }
 
-/// The module in gzip. zlib's best level makes it a twentieth larger.
+/// Compresses the module by gzip, with libdeflate: zlib's best level gives a file that is a twentieth larger.
 #[cfg(feature = "web")]
 fn pack(module: &[u8]) -> Result<Vec<u8>> {
     let mut compressor = libdeflater::Compressor::new(libdeflater::CompressionLvl::best());

@@ -17,7 +17,7 @@ const RUN: [&str; 6] = ["test", "sim:reference-301", "--exhaustive", "--repeat",
 /// The text that the console shows after the first passed case. Ctrl-C comes after this text, as a run without any
 /// verdict has another exit status.
 const RUNNING: &str = "301/cob-id/";
-/// Time limit on a busy machine until the console shows this text.
+/// Time limit on a busy machine until the console shows [`RUNNING`].
 const BEGIN: Duration = Duration::from_secs(180);
 /// Time limit for the end of the run after Ctrl-C.
 const PATIENCE: Duration = Duration::from_secs(120);

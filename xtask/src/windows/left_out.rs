@@ -46,7 +46,8 @@ fn tests(source: &str) -> Vec<&str> {
         .collect()
 }
 
-/// The reason and the name of each item with `cfg(unix)` that has a reason, or is a test.
+/// The reason and the name of each item with `cfg(unix)` that has a reason. A test or a module without a reason is an
+/// error.
 fn behind_cfg(source: &str, declared: &str) -> Result<Vec<(String, String)>> {
     let lines: Vec<&str> = source.lines().collect();
     let mut found = Vec::new();

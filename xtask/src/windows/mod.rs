@@ -14,7 +14,7 @@ use anyhow::{Context, Result, ensure};
 
 /// The target of MinGW, as the compilers of Windows are not available here.
 pub const TARGET: &str = "x86_64-pc-windows-gnu";
-/// The C parts (zstd, lz4) need a compiler for that target, and Rust its linker.
+/// The C parts (zstd, lz4) need a compiler for this target, and Rust needs the compiler's linker.
 pub const COMPILER: Package =
     Package { program: "x86_64-w64-mingw32-gcc", probe: &["--version"], package: "gcc-mingw-w64-x86-64" };
 /// Wine of 64 bits: Wine of 32 bits is only recommended, and not needed.

@@ -89,8 +89,8 @@ impl Prefix {
 
     fn with_surroundings(&self, mut wine: Command, args: &[&str]) -> Command {
         wine.args(args).env("WINEPREFIX", &self.folder).stdin(Stdio::null());
-        // Wine reports no unimplemented functions and offers no installations; the library made here precedes Wine's
-        // own.
+        // Wine reports no unimplemented functions and offers no installations; the library of [`RANDOM`] replaces
+        // Wine's own.
         wine.env(null_modem::VARIABLE, null_modem::PORTS.join(","));
         wine.env("WINEDEBUG", "-all").env("WINEDLLOVERRIDES", "mscoree,mshtml=;bcryptprimitives=n,b");
         wine

@@ -98,7 +98,7 @@ pub fn check_source<'a>(source: Source<'a>, name: Option<&str>, folder: Option<&
     let waivers = waiver::read(&source);
     for finding in &mut findings {
         finding.waived = waivers.iter().find(|waiver| waiver.covers(finding)).map(|waiver| waiver.reason.clone());
-        // A changed text is offered only if all other bytes can be written back exactly.
+        // A fix is offered only if the rest of the file can be written back byte for byte.
         if source.is_exact()
             && let Ok(read) = &description
         {

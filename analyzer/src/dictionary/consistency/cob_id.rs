@@ -43,7 +43,8 @@ fn predefined(check: &mut Check<'_>) {
     }
 }
 
-/// Reports a default for which `differs` holds. `differs` gets the COB-ID, and whether the node-ID is added.
+/// Reports the default COB-ID of `at` if `differs` holds for it. `differs` gets the COB-ID, and whether the node-ID is
+/// added.
 fn report_other(check: &mut Check<'_>, at: Multiplexer, differs: impl Fn(CobId, bool) -> bool) {
     let Some((cob_id, plus_node_id)) = default(check, at) else { return };
     if differs(cob_id, plus_node_id) {

@@ -41,7 +41,8 @@ fn is_compact(object: &Object) -> bool {
     is_mapping && object.line != 0 && object.entry(SubIndex(0)).is_some_and(|count| count.line == 0)
 }
 
-/// Removes node-ID and configured values. An EDS or XDD describes a device type, which has neither.
+/// Removes node-ID, configured values and other data of one device. An EDS or XDD describes a device type, which has
+/// none of them.
 pub(super) fn without_configuration(description: &mut DeviceDescription) -> Vec<Loss> {
     let mut losses = Losses::default();
     if description.commissioning.take().is_some() {

@@ -79,7 +79,7 @@ fn without_lines(object: &Object) -> Object {
     plain
 }
 
-/// The part of a meaning that an XDD can express.
+/// Reduces a description to the parts that an XDD can express.
 fn in_xdd(mut description: DeviceDescription) -> DeviceDescription {
     let file = &mut description.file;
     (file.revision, file.description, file.last_eds) = (String::new(), String::new(), None);

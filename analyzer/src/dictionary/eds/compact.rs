@@ -41,7 +41,7 @@ pub(super) fn expand(object: &mut Object, template: &Entry, count: u8, source: &
     }
 }
 
-/// The fields `1=…`, `2=…` of a section next to an object.
+/// The fields `1=…`, `2=…` of a section such as `[1003Name]`: each with its sub-index, value and place.
 fn beside<'d>(
     index: Index,
     kind: &str,

@@ -70,7 +70,7 @@ fn section(section: Section<'_>, source: &Source<'_>, description: &DeviceDescri
             entry(section, object.and_then(|object| object.entry(SubIndex(sub))), losses);
         }
         SectionName::Beside(index) => {
-            // The reader uses only the sections next to an object in short form.
+            // The reader uses sections such as `[1003Name]` only if their object has the short form (`CompactSubObj`).
             let head = source.section(&format!("{index:04X}"));
             let is_used = head.is_some_and(|head| head.field(FieldName::CompactSubObj).is_some())
                 && !canonical(section.name()).ends_with("objectlinks");

@@ -1,4 +1,4 @@
-//! The error codes of EMCY that device profiles define beside those of CiA 301.
+//! EMCY error codes that device profiles define in addition to the codes of CiA 301.
 
 use super::{Profile, known_profile, profiles};
 use crate::wire::emcy::EmcyCode;

@@ -68,9 +68,11 @@ pub struct ObjectName {
     pub object: &'static StandardObject,
     /// The entry, if the standard defines that sub-index.
     pub entry: Option<&'static StandardEntry>,
-    /// The address; of the object of the first logical device that has the same meaning.
+    /// The address; for an object of a further logical device, the address of the object of the first logical device
+    /// that has the same meaning.
     address: Multiplexer,
-    /// A further logical device, from 2, with the profile's word for one.
+    /// The profile's word for a logical device, and the number of the logical device from 2; `None` for the first
+    /// logical device.
     device: Option<(&'static str, u16)>,
 }
 

@@ -20,7 +20,8 @@ pub trait Profile: Sync {
     /// The objects of the profile by rising index, from 6000h to 67FFh.
     fn objects(&self) -> &'static [StandardObject];
 
-    /// Maximum number of logical devices with objects of their own: those of each further one are 800h higher.
+    /// Maximum number of logical devices with objects of their own: the objects of each further logical device are 800h
+    /// higher.
     fn logical_devices(&self) -> u16 {
         1
     }
@@ -82,7 +83,7 @@ pub trait Configured {
     /// The value of a parameter.
     fn parameter(&self, at: Multiplexer) -> Option<u32>;
 
-    /// The manual's name for the state of a bit. The bit is the first one of the object whose name begins with `name`.
+    /// The manual's name for the state of a bit. The bit is the first bit of the object whose name begins with `name`.
     fn state_of_bit(&self, at: Multiplexer, name: &str) -> Option<&str>;
 }
 
@@ -212,8 +213,8 @@ pub(super) struct LogicalDevice {
     pub profile: &'static dyn Profile,
 }
 
-/// The logical device of an object in a profile: each has 800h indexes (CiA 301, 7.4.1). `None` if the profile is not
-/// registered, or has no such logical device.
+/// The logical device of an object in a profile: each logical device has 800h indexes (CiA 301, 7.4.1). `None` if the
+/// profile is not registered, or has no such logical device.
 pub(super) fn logical_device(index: Index, number: u16) -> Option<LogicalDevice> {
     let (offset, size) = (index.0.checked_sub(OBJECTS.0)?, OBJECTS.1 as u16);
     let known = known(number)?;

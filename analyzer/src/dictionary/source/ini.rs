@@ -29,7 +29,7 @@ struct Count {
 /// Reads all sections of the text.
 pub(super) fn read(text: &str, problems: Problems) -> Builder<'_> {
     let mut builder = Builder::new(text, false, problems);
-    // An estimate of the number of sections: most sections have more bytes, so tables rarely have to grow.
+    // An estimate of the number of sections: most sections have more than 128 bytes, so the tables rarely have to grow.
     let sections = text.len() / 128;
     builder.tree.sections.reserve(sections);
     builder.tree.by_name.reserve(sections);

@@ -225,7 +225,7 @@ impl<'a> Source<'a> {
         Span::new(start, start + rest.trim_end_matches(is_blank).len())
     }
 
-    /// The line end for new lines: the one of the first line.
+    /// The line end for new lines: the line end of the first line.
     pub(super) fn line_end(&self) -> &'static str {
         if self.text.get(self.whole_line(1)).is_some_and(|line| line.ends_with("\r\n")) { "\r\n" } else { "\n" }
     }

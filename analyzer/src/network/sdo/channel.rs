@@ -10,7 +10,7 @@ use crate::wire::{Malformed, Wire};
 use crate::{Multiplexer, NodeId};
 use canvass_traces::Timestamp;
 
-/// A channel of a bus, by its index: the 127 predefined ones first.
+/// A channel of a bus, by its index; the 127 predefined channels come first.
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]
 pub struct ChannelIndex(pub u16);
 
@@ -101,7 +101,7 @@ impl Channel {
         (values + self.held_back.capacity()).saturating_sub(2 * Transfer::SHORT)
     }
 
-    /// Takes the memory of long values from `room`; if it is full, only the beginning of the value is kept.
+    /// Takes the memory of long values from `room`; if `room` is full, only the beginning of the value is kept.
     #[inline]
     pub fn settle(&mut self, room: &Room) {
         if self.held() != self.taken {

@@ -1,7 +1,7 @@
 //! Block transfers that began before the capture.
 //!
-//! The segments look like any message: the first byte is the sequence number. They are recognised by following each
-//! other without a frame from the other side, numbered from 1 after each confirmation.
+//! A segment may look like any message, as its first byte is the sequence number. Segments are recognised because they
+//! follow each other without a frame from the other side, and are numbered from 1 after each confirmation.
 
 use super::transfer::Direction;
 use crate::wire::Wire;
@@ -13,9 +13,9 @@ use canvass_traces::{Duration, Timestamp};
 pub(crate) struct UnderWay {
     /// A request was answered: no earlier transfer is open.
     over: bool,
-    /// The sequence number of the client's next segment, and the time of the one before.
+    /// The sequence number of the client's next segment, and the time of the segment or confirmation before it.
     download: Option<(u8, Timestamp)>,
-    /// The sequence number of the server's next segment, and the time of the one before.
+    /// The sequence number of the server's next segment, and the time of the segment or confirmation before it.
     upload: Option<(u8, Timestamp)>,
 }
 

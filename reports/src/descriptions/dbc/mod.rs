@@ -124,7 +124,8 @@ fn signal(description: &DeviceDescription, mapped: &Mapped, value: &SignalValue<
         _ if plain.is_empty() => format!("Object_{:04X}_{:02X}", mapped.object.index.0, mapped.object.sub.0),
         _ => plain.clone(),
     };
-    // A signal has one unit. The unit that the device's configuration decides says more than the unit "steps".
+    // A signal has only one unit. The unit that the device's configuration determines is preferred, because it says
+    // more than the unit "steps".
     let unit = value.scaled().map(|(_, unit)| unit.clone()).or_else(|| value.value()?.1.map(Cow::into_owned));
     Signal {
         name: names.free(&named),

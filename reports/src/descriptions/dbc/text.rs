@@ -73,7 +73,7 @@ fn string(text: &str) -> String {
     plain.collect()
 }
 
-/// A text in the character set Windows-1252, as far as this equals Latin-1.
+/// A text in the character set Windows-1252. Characters that Latin-1 does not encode alike become `?`.
 fn windows_1252(text: &str) -> Vec<u8> {
     let byte = |character: char| match u32::from(character) {
         code @ (0..=0x7F | 0xA0..=0xFF) => code as u8,

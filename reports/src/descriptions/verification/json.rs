@@ -62,7 +62,7 @@ fn difference(verification: &Verification, mismatch: &Mismatch) -> Value {
     })
 }
 
-/// A value, or the words if there is none.
+/// One side of a mismatch: its value, or a text if it has none.
 fn value(shown: &Side) -> Value {
     let setting = |value: &Option<canvass_analyzer::dictionary::Value>| {
         value.clone().map(|value| content(&Fact::Setting(Setting::Fixed(value))))

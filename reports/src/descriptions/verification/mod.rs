@@ -20,7 +20,7 @@ pub struct Verification {
     pub as_delivered: bool,
     /// Number of entries that were read.
     pub read: usize,
-    /// Number of these entries that the device has.
+    /// Number of read entries that the device has.
     pub existing: usize,
     /// The first index that was not read any more, because the device does not answer for missing objects.
     pub given_up: Option<Index>,

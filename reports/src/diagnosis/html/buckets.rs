@@ -1,4 +1,5 @@
-//! Values over time in a bounded number of buckets. When the buckets don't suffice, each two neighbours are merged.
+//! Values over time in a bounded number of buckets. When all buckets are in use, each two neighbouring buckets become
+//! one.
 
 use canvass_traces::{Duration, Timestamp};
 

@@ -60,7 +60,8 @@ impl Collector {
     /// Takes a frame after the diagnosis has taken it.
     ///
     /// # Errors
-    /// This collector gives no error. Other collectors write values to a file, which may fail.
+    /// None: the values of the page stay in memory. The result has the type of all sheets, some of which write to a
+    /// file.
     pub fn frame(&mut self, record: &Record, channels: &Channels, observed: &Observed<'_>) -> io::Result<()> {
         self.excerpt.frame(record, observed);
         for event in observed.bus.events() {

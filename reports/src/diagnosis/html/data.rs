@@ -170,7 +170,7 @@ fn span(diagnosed: &Diagnosed<'_>, names: &Names<'_>) -> i64 {
     diagnosed.results.buses.iter().map(|(_, bus)| names.micros(bus.last)).max().unwrap_or(0)
 }
 
-/// The nodes of all channels. Each node is made only when it is written, as the states of a node may be many.
+/// The nodes of all channels. Each node is made only when it is written, as a node may have many states.
 struct Nodes<'a> {
     collected: &'a Collector,
     names: Names<'a>,

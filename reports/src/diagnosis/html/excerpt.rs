@@ -61,8 +61,7 @@ pub struct Shown {
     pub number: u64,
     /// The time of the frame.
     pub time: Timestamp,
-    /// The frame numbers at which places are complete, in the order of time. An entry is out of date if its place has
-    /// moved since.
+    /// The channel of the frame.
     pub channel: ChannelId,
     /// The place of the frame in its file.
     pub place: Place,

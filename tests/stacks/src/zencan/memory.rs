@@ -91,8 +91,8 @@ fn defaults() -> &'static [StartValue] {
     })
 }
 
-/// Resets objects to their defaults, which the node leaves to the application: "The application should also do whatever
-/// is appropriate to reset its state".
+/// Resets objects to their defaults, which the node leaves to the application. Its documentation says: "The application
+/// should also do whatever is appropriate to reset its state".
 fn set_defaults(range: std::ops::RangeInclusive<u16>) {
     for default in defaults().iter().filter(|default| range.contains(&default.index)) {
         if let Some(object) = find_object(&OD_TABLE, default.index) {

@@ -20,7 +20,7 @@ pub struct Overview {
 }
 
 impl Overview {
-    /// Maximum number of parts: when it is reached, each two parts become one.
+    /// Maximum number of parts: when it is reached, each two neighbouring parts become one.
     const MOST: usize = 1024;
 
     /// Counts the next frame. A frame with an earlier time than the first frame counts to the first part.

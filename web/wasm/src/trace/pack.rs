@@ -3,7 +3,7 @@
 //! ```text
 //! head: 0 usual (11 bits, classical data, no DLC above 8), 1 same channel, 2 number is one more, 4..5 direction, 6 CAN XL
 //! time since the record before (zigzag varint, ns)
-//! channel (varint), where it is another one; number's difference (zigzag varint), where it is not one
+//! channel (varint), if it is another channel; difference of the number (zigzag varint), if it is not 1
 //! usual:  CAN-ID and length (16 bits: 0..10 CAN-ID, 11..14 length), data
 //! XL:     priority, vcid, flags, sdt, af, length (varints), data
 //! other:  length (varint), the frame as a socket takes it

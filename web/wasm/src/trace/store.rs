@@ -163,7 +163,7 @@ impl Store {
         self.blocks.partition_point(|block| block.latest <= time).saturating_sub(1)
     }
 
-    /// A walk that begins before `row`.
+    /// A walk that begins at the last snapshot at or before `row`.
     pub fn walk(&self, row: usize) -> Option<Walk> {
         let snapshot = (row / BLOCK / self.spacing.max(1)).min(self.snapshots.len().checked_sub(1)?);
         let network = self.snapshots.get(snapshot)?.snapshot();
@@ -209,7 +209,7 @@ impl Indexing {
         self.walk.is_some()
     }
 
-    /// Number of examined records, of `all`.
+    /// Number of examined records; `all` once the index is complete.
     pub fn looked_at(&self, all: usize) -> usize {
         self.walk.as_ref().map_or(all, Walk::row)
     }

@@ -53,7 +53,7 @@ pub(super) fn insert_after(line: u32, text: &str, source: &Source<'_>) -> Edit {
     edit(at.end..at.end, text)
 }
 
-/// Corrects a missing or unknown object code: without another hint, an object without sub-indexes is a VAR.
+/// Inserts a missing object code: an object that has a data type and no sub-indexes is a VAR.
 fn object_type(finding: &Finding, source: &Source<'_>) -> Option<Fix> {
     let section = source.section_in(finding.line)?;
     let has = |name| section.field(name).is_some();

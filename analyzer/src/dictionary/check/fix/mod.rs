@@ -1,4 +1,4 @@
-//! Fixes that need no guessing: each edit belongs to its rule. Comments and the order of the lines stay.
+//! Fixes of findings, for the rules where a fix needs no guessing. Comments and the order of the lines stay.
 
 mod lines;
 mod lists;

@@ -42,7 +42,8 @@ fn entry(facts: &Facts<'_>, at: Multiplexer, has_subs: bool) -> (Entry, Vec<Gues
     (entry, type_guess.into_iter().chain(access_guess).collect())
 }
 
-/// The standard's object code, if the device's object has this form. An array has elements of one type, without gaps.
+/// The standard's object code, if the device's object has this form; otherwise the code that fits the entries. An array
+/// has elements of one type, without gaps.
 fn code(standard: Option<ObjectName>, has_subs: bool, entries: &[Entry]) -> ObjectCode {
     let elements = || entries.iter().filter(|entry| entry.sub.0 > 0);
     let types: BTreeSet<DataType> = elements().map(|entry| entry.data_type).collect();

@@ -23,7 +23,7 @@ pub(super) fn default(facts: &Facts<'_>, at: Multiplexer, data_type: DataType, c
     }
 }
 
-/// Whether the value of the entry is a factory or a configured setting.
+/// Whether the value of the entry is a setting, made by the manufacturer or by a configuration.
 fn is_parameter(facts: &Facts<'_>, at: Multiplexer) -> bool {
     let standard = facts.standard(at).and_then(|name| name.entry).and_then(|entry| entry.access);
     match (at.index.0, at.sub.0) {

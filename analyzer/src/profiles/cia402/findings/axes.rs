@@ -6,7 +6,7 @@ use crate::profiles::cia402::{AXES, NUMBER, objects};
 use crate::{NodeId, PerNode};
 use canvass_traces::Timestamp;
 
-/// Causes: an EMCY reports a condition to which the drive reacts.
+/// The findings from which findings about drives follow: an EMCY reports a condition to which the drive reacts.
 pub const FOLLOWS: &[(&str, Effect)] = &[(
     "emcy/raised",
     Effect::on(&["drive/fault", "drive/left-operation", "drive/not-enabled"]).of_same_node().during(SOON, SETTLE),

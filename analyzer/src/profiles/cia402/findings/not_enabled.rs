@@ -36,9 +36,9 @@ struct NotEnabled {
 #[derive(Default)]
 struct Axis {
     state: Option<State>,
-    /// The controlword that enables operation, as long as it does.
+    /// The frame with the first controlword that enables operation; `None` once another command came.
     asked: Option<Box<Seen>>,
-    /// Whether the drive was enabled, or reported, since it was asked.
+    /// Whether the drive has enabled operation since this controlword, or the rule has reported it.
     settled: bool,
 }
 

@@ -5,7 +5,7 @@ use crate::profiles::cia406::NUMBER;
 use crate::profiles::cia406::objects;
 use canvass_macros::rule;
 
-/// Causes: an EMCY reports a condition that alarms and warnings then show.
+/// The findings from which alarms and warnings follow: an EMCY reports a condition that the encoder then shows.
 pub(crate) const FOLLOWS: &[(&str, Effect)] =
     &[("emcy/raised", Effect::on(&["encoder/alarm", "encoder/warning"]).of_same_node().during(SOON, SETTLE))];
 
