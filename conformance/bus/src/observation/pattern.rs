@@ -25,7 +25,8 @@ pub struct Pattern(Accepted);
 #[derive(Clone, PartialEq, Eq, Debug)]
 enum Accepted {
     Exactly(Observation),
-    /// A frame in this notation, or a violation of this name. Other details of the observation do not matter.
+    /// `Frame` holds the notation of a frame, `Violation` the name of a violation. Other details of the observation do
+    /// not matter.
     Frame(String),
     Violation(String),
     /// Any observation of this sort.

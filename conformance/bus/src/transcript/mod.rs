@@ -29,8 +29,8 @@ pub struct Transcript {
     pub begin: Timestamp,
     /// For each frame, the number of timeouts before it.
     waits: Vec<u64>,
-    /// The times that do not follow from the frames, each with the number of times before it that follow from the
-    /// frames.
+    /// The answers about the time that do not follow from the frames, each with the number of predictable answers
+    /// before it.
     clock: Vec<(u64, Timestamp)>,
     /// Changes of the health, each with the number of unchanged answers before it.
     health: Vec<(u64, Health)>,
