@@ -170,13 +170,13 @@ pub(crate) fn settle_memory(bench: &mut Bench<'_>, touches: &[Touch]) {
         let may_store = may_store(bench);
         let may_preset = bench.options.allow.contains(&Touch::Preset)
             && touches.iter().any(|touch| matches!(touch, Touch::Preset | Touch::FactoryDefaults));
-        // The end of the run reports what is left.
+        // The end of the run reports the differences that remain.
         let _ = bench.uncancelled(|bench| put_back_memory(bench, may_store, may_preset));
     }
 }
 
-/// Whether restoring the defaults would move the zero point, so that the case needs the user's permission for the
-/// preset that puts the zero point back: the zero point is not the one as delivered, or the device does not show it.
+/// Whether restoring the defaults would lose the zero point: it is not as delivered, and either the user has not
+/// allowed presets, or a preset can't put it back from every position.
 pub(crate) fn would_lose_zero_point(bench: &Bench<'_>) -> bool {
     let moved = bench.changes.baseline.stored_zero_point.filter(|zero_point| !zero_point.is_as_delivered());
     let may_preset = bench.options.allow.contains(&Touch::Preset);
@@ -321,7 +321,7 @@ pub fn harm_of_a_reset(bench: &mut Bench<'_>, known: &[(Multiplexer, Vec<u8>)]) 
         let default = entry.and_then(|entry| entry.start_value(bench.target.node)?.encode(entry.data_type).ok());
         default.is_none_or(|default| default == value)
     };
-    // This holds even if the supply can be switched: after a killed run, `restore` can't switch it.
+    // The loss is assumed even if the supply can be switched: after a killed run, `restore` can't switch it.
     let is_lost =
         |at: Multiplexer| resets_to_defaults(bench) && at.index.0 >= 0x6000 && dictionary::is_put_back(bench, at);
     let lost = known.iter().find(|(at, value)| is_lost(*at) && !is_default(*at, value));

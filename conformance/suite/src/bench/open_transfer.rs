@@ -108,7 +108,8 @@ mod tests {
     use super::*;
     use crate::scripted::frame;
 
-    /// The suspect after these frames of tester (600h) and server (580h).
+    /// The object of the transfer that may be open after these frames of the tester (600h + node-ID) and the server
+    /// (580h + node-ID).
     fn suspect(frames: &[&str]) -> Option<Multiplexer> {
         let mut transfer = OpenTransfer::new(NodeId::new(63).unwrap());
         for text in frames {

@@ -63,10 +63,10 @@ enum Takes {
     Nothing,
 }
 
-/// A device with a device type and 1010h. It has these values now, and `default` after a reset. The test shares the
-/// values.
+/// The values of a scripted device, shared with the test.
 type Values = Rc<RefCell<BTreeMap<(u16, u8), Vec<u8>>>>;
 
+/// A device with a device type and 1010h, with these values now, and with the values `default` after a reset.
 fn device(values: &Values, default: &[Row], takes: Takes) -> impl FnMut(&Frame) -> Vec<(Duration, Frame)> + use<> {
     let (values, default) = (Rc::clone(values), default.to_vec());
     move |request| {

@@ -39,7 +39,7 @@ fn period(bench: &mut Bench<'_>) -> Judged {
     burst(bench)?;
     bench.each([100_u16, 250, 1_000], |bench, milliseconds| {
         let period = Duration::from_millis(u64::from(milliseconds));
-        // This case requires that a valid time is accepted; all other cases only need it.
+        // Only this case judges whether the device accepts a valid time; all other cases need a device that does.
         bench.download(HEARTBEAT_TIME, &milliseconds.to_le_bytes())?.expect_confirmation()?;
         // The first period may have begun before the new value.
         heartbeats(bench, period)?;
@@ -63,7 +63,7 @@ fn period(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// Requires that the first heartbeats of a device that sent none before are not sent at once.
+/// Requires that a device that sent no heartbeats before does not send the first ones in a burst.
 fn burst(bench: &mut Bench<'_>) -> Judged {
     const PERIOD: Duration = Duration::from_millis(200);
     if bench.read_number(HEARTBEAT_TIME)? != 0 {
@@ -137,8 +137,8 @@ fn state(bench: &mut Bench<'_>) -> Judged {
     shows(bench, State::PRE_OPERATIONAL, &[], begun)
 }
 
-/// Requires heartbeats that show this state. Those of the reaction time, from `begun` on, may still show the states
-/// before.
+/// Requires heartbeats that show this state. Heartbeats between `begun` and the end of the reaction time may still show
+/// one of the states `before`.
 fn shows(bench: &mut Bench<'_>, state: State, before: &[State], begun: Timestamp) -> Judged {
     bench.listen(bench.timing().reaction)?;
     let reacted = bench.now();

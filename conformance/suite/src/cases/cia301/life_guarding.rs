@@ -218,7 +218,7 @@ fn off(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "301/life-guarding/first-request", clause = "CiA 301 7.2.8.2.2", confidence = Cited, level = Must,
        needs = [Guarding], catches = [LifeGuardingStartsAtOnce])]
 fn first_request(bench: &mut Bench<'_>) -> Judged {
-    // The state before the case was shown by a guarding request: a reset makes the device forget it.
+    // A guarding request before the case may have started the monitoring: a reset ends it.
     bench.reset(Command::RESET_COMMUNICATION)?;
     let life_time = life_time(bench, 100, 2)?;
     operational(bench)?;

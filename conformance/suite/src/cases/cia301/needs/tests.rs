@@ -128,10 +128,11 @@ fn unknown() -> Target {
     Target::unknown(NodeId::new(NODE).unwrap())
 }
 
-/// A device with these values. Requests with one of these beginnings get the given answer, or none. All requests are
-/// recorded.
+/// The requests that a device got, in order.
 type Asked = Rc<RefCell<Vec<String>>>;
 
+/// A device with these values. A request that begins with one of the texts in `answers` gets the answer beside the
+/// text, or none if that answer is empty. All requests are recorded in `asked`.
 fn but(
     rows: &[Row],
     answers: &'static [(&'static str, &'static str)],
