@@ -1,4 +1,4 @@
-//! The order of cases for a run that may not last long: the cases that see most per second come first.
+//! The order of cases for a run that may not last long: the cases that find most faults per second come first.
 //!
 //! The measure is the catalogue's own: the faults that each case names in `catches`, which the selftest proves.
 
@@ -16,8 +16,9 @@ pub struct Timed {
     pub takes: Duration,
 }
 
-/// Sorts the cases: first the case that catches most faults per second, then the case that catches most faults per second
-/// which no case before it catches, and so on. Cases that catch no further fault come last, quick ones first.
+/// Sorts the cases: first the case that catches most faults per second, then in each step the case that catches most
+/// further faults per second. A further fault is one that no earlier case catches. Cases that catch no further fault
+/// come last, quick ones first.
 pub fn by_benefit(cases: &[Timed]) -> Vec<Timed> {
     let (mut left, mut sorted, mut caught) = (cases.to_vec(), Vec::with_capacity(cases.len()), HashSet::new());
     while let Some(at) = best(&left, &caught) {
@@ -73,7 +74,7 @@ mod tests {
     use super::*;
     use crate::catalogue::cases;
 
-    /// Every case takes a second, but these.
+    /// All cases. Each takes a second, except the cases in `slow`, which take the given number of seconds.
     fn timed(slow: &[(&str, u64)]) -> Vec<Timed> {
         let takes = |id: &str| slow.iter().find(|row| row.0 == id).map_or(1, |row| row.1);
         cases().into_iter().map(|case| Timed { case, takes: Duration::from_secs(takes(case.id)) }).collect()

@@ -106,8 +106,8 @@ pub(crate) fn note_zero_point(bench: &mut Bench<'_>, has_operational: bool) {
 /// Restarts the device once, and reads the values that a start loads from its memory. `known`: its objects.
 ///
 /// # Errors
-/// [`Stop::Inconclusive`] if the run was cancelled or the device does not start; [`Stop::Error`] if the journal can't be
-/// written.
+/// [`Stop::Inconclusive`] if the run was cancelled or the device does not start; [`Stop::Error`] if the journal can't
+/// be written.
 pub(crate) fn learn_memory(bench: &mut Bench<'_>, known: &[(Multiplexer, Vec<u8>)]) -> Result<(), Stop> {
     bench.unjudged(|bench| restart(bench))?;
     let mut stored = Vec::new();
@@ -189,8 +189,8 @@ pub(crate) fn put_back_memory(bench: &mut Bench<'_>, may_store: bool, may_preset
     bench.unjudged(|bench| {
         restart(bench)?;
         let mut left = memory_left(bench)?;
-        // Values that can't be read may have changed. Some devices use restored defaults until power-off and do not store
-        // them, which hides what a case has stored before.
+        // Values that can't be read may have changed. Some devices use restored defaults until power-off and do not
+        // store them, which hides what a case has stored before.
         let is_hidden = bench.traffic.watch.has_loaded() || !bench.changes.baseline.unseen.is_empty();
         if may_store && (is_hidden || !left.changes.is_empty()) {
             store_settings(bench)?;

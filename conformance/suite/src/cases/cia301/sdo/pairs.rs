@@ -20,7 +20,8 @@ struct Pair {
 }
 
 impl Pair {
-    /// All pairs of these forms. Each is on one object or on two, and on both if `all` is set.
+    /// All pairs of these forms. The two transfers of a pair use the same object or two objects; if `all` is set, each
+    /// pair occurs in both ways.
     fn all(forms: &[Form], all: bool, counts: impl Fn(Form, Form) -> bool) -> Vec<Self> {
         let firsts = forms.iter().flat_map(|form| form.ends().iter().map(|end| (*form, *end)));
         let seconds = |first| forms.iter().map(move |second| (first, *second));
@@ -63,7 +64,7 @@ fn block_pairs(bench: &mut Bench<'_>) -> Judged {
 fn every_pair(bench: &mut Bench<'_>, forms: &[Form], counts: impl Fn(Form, Form) -> bool) -> Judged {
     let mut subjects = Subjects::find(bench)?;
     let served = served(bench, &mut subjects, forms)?;
-    // Reads alone follow each other on a device that takes no value, too.
+    // Uploads alone could follow each other even on a device that accepts no download.
     tried(served.iter().filter(|form| form.is_download()).count(), "a kind of download that the server serves")?;
     let pairs = Pair::all(&served, bench.options().exhaustive, counts);
     let (begun, mut count) = (bench.now(), 0);
@@ -95,7 +96,7 @@ fn served(bench: &mut Bench<'_>, subjects: &mut Subjects, forms: &[Form]) -> Res
     let allowed: Vec<Form> = forms.iter().copied().filter(|form| subjects.allow(*form)).collect();
     for form in allowed {
         let is_served = is_served(bench, subjects, form)? || {
-            // What an earlier transfer has left must not hide that this one is served.
+            // The remains of an earlier transfer must not hide that the server serves this one.
             bench.make_server_idle();
             bench.reset(Command::RESET_NODE)?;
             subjects.settle(bench)?;
@@ -111,7 +112,8 @@ fn served(bench: &mut Bench<'_>, subjects: &mut Subjects, forms: &[Form]) -> Res
     Ok(served)
 }
 
-/// Whether the server serves a transfer on one object. The other one may have another length, and would already follow.
+/// Whether the server serves a transfer on one object. A transfer on the other object, which may have another length,
+/// would already be the second of a pair.
 fn is_served(bench: &mut Bench<'_>, subjects: &mut Subjects, form: Form) -> Result<bool, Stop> {
     match bench.unjudged(|bench| subjects.complete(bench, form, 0)) {
         Err(Stop::Breach(_)) => Ok(false),

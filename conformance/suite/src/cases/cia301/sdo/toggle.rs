@@ -16,7 +16,8 @@ use canvass_analyzer::wire::sdo::{Abort, AbortCode, Request, Response};
 use canvass_bus::client::Violation;
 use canvass_bus::observation::Observation;
 
-/// Requires that the rest of a download is accepted after an ignored segment, if its toggle bit is right.
+/// Requires that the server, after it has ignored a segment, accepts the rest of the download with the right toggle
+/// bit.
 fn goes_on(bench: &mut Bench<'_>, scratch: &Scratch, toggle: bool, rest: &[u8]) -> Judged {
     let reply = bench.exchange(&segment(toggle, rest, true)?, "segment with the right toggle bit after a wrong one")?;
     reply.expect("its confirmation", |response| *response == Response::DownloadSegment { toggle })?;
