@@ -47,8 +47,8 @@ fn best(cases: &[Timed], caught: &HashSet<&Fault>) -> Option<usize> {
     best.map(|(at, _)| at)
 }
 
-/// The first cases of [`by_benefit`] that together catch `percent` of the faults that all these cases catch, in the order
-/// of the catalogue.
+/// The first cases of [`by_benefit`] that together catch `percent` of the faults that all these cases catch, in the
+/// order of the catalogue.
 pub fn quick(cases: &[Timed], percent: usize) -> Vec<Timed> {
     let all = caught(cases);
     let mut caught: HashSet<&Fault> = HashSet::new();

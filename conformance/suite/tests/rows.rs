@@ -1,5 +1,5 @@
-//! Answers that CiA 301 allows and a case once failed, or the reverse: each tested on right devices, and on a wrong
-//! device that must still be found.
+//! Answers that a case once judged against CiA 301. Each is tested on right devices, and on a wrong device that the
+//! case must still find.
 
 // `cfg(test)` has no effect here, but tells clippy where a test may unwrap.
 #![cfg(test)]

@@ -100,7 +100,8 @@ fn has_not_come_again(verdict: &Verdict) -> bool {
     }
 }
 
-/// Runs a case, and repeats it if a temporary disturbance prevented a verdict. A case that wears out memory is not repeated.
+/// Runs a case, and repeats it if a temporary disturbance prevented a verdict. A case that wears out memory is not
+/// repeated.
 fn run_quietly(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
     let mut report = run_case(bench, case);
     for _ in 0..REPETITIONS {

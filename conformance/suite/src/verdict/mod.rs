@@ -74,7 +74,7 @@ pub struct Reason {
     pub lack: Lack,
 }
 
-/// The kind of thing that would have made a case applicable.
+/// The kind of thing whose lack prevented a verdict.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Default)]
 pub enum Lack {
     /// A feature of the device or the bus.
@@ -279,7 +279,7 @@ impl Reason {
         Self { duty: duty.into(), expected: expected.into(), actual: actual.into(), lack: Lack::Feature }
     }
 
-    /// Sets the kind of thing that would help.
+    /// Sets the kind of thing that was missing.
     #[must_use]
     pub fn for_lack_of(self, lack: Lack) -> Self {
         Self { lack, ..self }

@@ -15,7 +15,7 @@ pub enum Stop {
     Error(Reason),
 }
 
-/// The result of a case. The bench holds the breaches that it found on its way.
+/// The result of a case. The bench holds the breaches that the case has recorded before.
 pub type Judged = Result<(), Stop>;
 
 impl Stop {

@@ -87,8 +87,8 @@ fn toggle_reset(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// The answer to a guarding request is one byte with the NMT state in bits 0 to 6: 7Fh pre-operational, 05h operational,
-/// 04h stopped.
+/// The answer to a guarding request is one byte with the NMT state in bits 0 to 6: 7Fh pre-operational, 05h
+/// operational, 04h stopped.
 #[case(id = "301/guarding/state", clause = "CiA 301 7.2.8.3.2.1", confidence = Cited, level = Must,
        needs = [Guarding], catches = [GuardingWrongState, NmtStopWhenOperationalIgnored, NmtStartWhenStoppedIgnored],
        cct = "7.2")]

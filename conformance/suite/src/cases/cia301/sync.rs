@@ -64,8 +64,8 @@ fn begins_in_time(bench: &mut Bench<'_>, set: Timestamp, first: Option<&Record>)
     }))
 }
 
-/// A SYNC producer sends SYNC with the period in microseconds that 1006h holds, the first within one period after bit 30
-/// of 1005h is set.
+/// A SYNC producer sends SYNC with the period in microseconds that 1006h holds, the first within one period after bit
+/// 30 of 1005h is set.
 #[case(id = "301/sync/period", clause = "CiA 301 7.5.2.6", confidence = Cited, level = Must,
        needs = [SyncProducer], catches = [SyncPeriodDoubled, SyncHangsWithoutCounter], cct = "6.2")]
 fn period(bench: &mut Bench<'_>) -> Judged {

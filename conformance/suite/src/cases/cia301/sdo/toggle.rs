@@ -25,8 +25,8 @@ fn goes_on(bench: &mut Bench<'_>, scratch: &Scratch, toggle: bool, rest: &[u8]) 
     bench.expect_value(scratch.multiplexer, &scratch.other, duty)
 }
 
-/// The first download segment has toggle bit 0. The server ignores a first segment with toggle bit 1, or refuses it with
-/// abort 0503 0000h; the object keeps its value, and if the server did not abort, the transfer can continue.
+/// The first download segment has toggle bit 0. The server ignores a first segment with toggle bit 1, or refuses it
+/// with abort 0503 0000h; the object keeps its value, and if the server did not abort, the transfer can continue.
 #[case(id = "301/sdo/download/segment-toggle", clause = "CiA 301 7.2.4.3.4", confidence = Cited, level = Must,
        needs = [ScratchObject, SegmentedDownload], catches = [SdoToggleUnchecked, SdoToggleWrongCode])]
 fn segment_toggle(bench: &mut Bench<'_>) -> Judged {
