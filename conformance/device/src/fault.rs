@@ -10,7 +10,7 @@ use canvass_macros::Catalogue;
 use std::fmt;
 use std::str::FromStr;
 
-/// One defect of a firmware. Each is a switch of its own; they can be combined.
+/// A defect of a firmware. Each fault is a separate switch; faults can be combined.
 #[derive(Catalogue, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Fault {
     /// No boot-up message after a reset.

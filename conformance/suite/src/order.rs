@@ -39,7 +39,7 @@ fn best(cases: &[Timed], caught: &HashSet<&Fault>) -> Option<usize> {
         further as f64 / timed.takes.nanos().max(1_000_000) as f64
     };
     let ratios = cases.iter().map(benefit).enumerate().filter(|(_, ratio)| *ratio > 0.0);
-    // The first of equal ones, so that the order is that of the catalogue.
+    // Of cases with the same ratio the first one, so that the order is that of the catalogue.
     let best = ratios.fold(None, |best: Option<(usize, f64)>, one| match best {
         Some(known) if known.1 >= one.1 => best,
         _ => Some(one),

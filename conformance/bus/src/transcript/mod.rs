@@ -55,7 +55,7 @@ impl Clock {
     /// Handles a frame, or a timeout at the deadline.
     fn advance(&mut self, received: Option<&Record>, deadline: Timestamp) {
         let to = received.map_or(deadline, |record| record.timestamp);
-        // If a wait without end ends all the same, its deadline gives no time.
+        // A wait without deadline may still end; it then gives no time.
         if to < Timestamp::MAX {
             self.0 = self.0.max(to);
         }

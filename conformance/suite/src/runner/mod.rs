@@ -86,8 +86,8 @@ pub struct Plan<'a> {
 /// Runs the cases of a plan. `report` gets every event.
 ///
 /// # Errors
-/// [`RunError`] if nothing was learned about the device. If cases were selected and the device was reached, the events
-/// are complete all the same.
+/// [`RunError`] if nothing was learned about the device. If cases were selected and the device was reached, `report`
+/// gets all events even then.
 pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEvent<'_>)) -> Result<Summary, RunError> {
     if plan.cases.is_empty() {
         return Err(RunError::NothingToRun { reason: "none was selected".to_owned() });

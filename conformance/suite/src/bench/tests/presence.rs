@@ -57,7 +57,7 @@ fn a_device_leaves_once_and_comes_back() {
     });
 }
 
-/// Any frame of the device is a sign of it; frames of others are not.
+/// Any frame of the device is a sign of its presence; frames of others are not.
 #[test]
 fn any_frame_of_a_device_is_a_sign_of_it() {
     let found = |sign: &'static str| {
