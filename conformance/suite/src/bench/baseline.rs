@@ -32,13 +32,14 @@ impl fmt::Display for Harm {
         match self {
             Self::ZeroPoint(at) => write!(
                 f,
-                "its zero point was moved ({at}), and the first reset would lose one that is not stored: store it, and say so by \
-                 --zero-point-stored"
+                "its zero point was moved ({at}), and the first reset would lose a zero point that is not stored: \
+                 store it, and confirm that with --zero-point-stored"
             ),
             Self::Defaults(at) => write!(
                 f,
-                "its manual says that a reset sets {at} to its default until the next power-on, whatever is stored, and a run that \
-                 is killed could not bring it back: give it its default before"
+                "its manual says that a reset sets {at} to its default until the next power-on, even if \
+                 another value is stored: set {at} to its default before the test, as a run that is killed can't \
+                 restore it"
             ),
         }
     }

@@ -42,7 +42,7 @@ pub enum RunError {
         waited: Duration,
     },
     /// The first reset would lose a value that no case puts back.
-    #[error("node {node} is not tested, and nothing was sent to it but reads: {harm}")]
+    #[error("node {node} is not tested, and the tester only read from it: {harm}")]
     WouldHarm {
         /// The node-ID.
         node: NodeId,

@@ -121,7 +121,7 @@ fn unset(bench: &mut Bench<'_>) -> Judged {
         if bench.read_number(multiplexer)? != 0 {
             if !bench.can_write(multiplexer)? {
                 let actual = format!("{multiplexer} can't be set to 0");
-                return Err(Stop::NotApplicable(Reason::new("life guarding can be switched off", "rw", actual)));
+                return Err(Stop::NotApplicable(Reason::new("life guarding can be switched off", "0 or rw", actual)));
             }
             bench.write(multiplexer, zero)?;
         }

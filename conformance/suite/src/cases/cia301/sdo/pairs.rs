@@ -105,7 +105,7 @@ fn served(bench: &mut Bench<'_>, subjects: &mut Subjects, forms: &[Form]) -> Res
         if is_served {
             served.push(form);
         } else {
-            bench.note(format!("{form}: not served, so no pair has it"));
+            bench.note(format!("{form}: the server does not serve it, so no pair contains it"));
             subjects.settle(bench)?;
         }
     }
