@@ -1370,7 +1370,7 @@ impl Fault {
         self.row().model
     }
 
-    /// Whether the fuzzer claims to find the fault without further touches allowed.
+    /// Whether the fuzzer claims to find the fault even if the user allows no touch.
     pub const fn is_fuzzed(self) -> bool {
         matches!(self.row().fuzz, Found)
     }

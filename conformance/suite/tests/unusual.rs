@@ -202,7 +202,7 @@ fn an_inhibit_time_as_delivered() {
     assert_eq!(report.verdict.kind(), Kind::Fail, "the value that is there is no change");
 }
 
-/// RPDOs carry only what the limits of the description allow.
+/// The cases write only values within the limits of the description by RPDO.
 #[test]
 fn an_object_with_narrow_limits() {
     let limits = "DefaultValue=0\nLowLimit=-5\nHighLimit=0";

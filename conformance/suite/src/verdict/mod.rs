@@ -70,11 +70,11 @@ pub struct Reason {
     pub expected: String,
     /// The actual answer, value or time.
     pub actual: String,
-    /// The kind of thing that was missing.
+    /// The condition whose lack prevented a verdict.
     pub lack: Lack,
 }
 
-/// The kind of thing whose lack prevented a verdict.
+/// A condition whose lack prevents a verdict.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Default)]
 pub enum Lack {
     /// A feature of the device or the bus.
@@ -279,7 +279,7 @@ impl Reason {
         Self { duty: duty.into(), expected: expected.into(), actual: actual.into(), lack: Lack::Feature }
     }
 
-    /// Sets the kind of thing that was missing.
+    /// Sets the condition whose lack prevented a verdict.
     #[must_use]
     pub fn for_lack_of(self, lack: Lack) -> Self {
         Self { lack, ..self }
