@@ -46,9 +46,9 @@ pub(super) struct Reader {
     records: Vec<Record>,
     /// Whether the adapter may answer the query of its status flags.
     has_status: bool,
-    /// Whether the adapter has answered that query on this connection.
+    /// Whether the adapter has answered the query of its status flags on this connection.
     has_told_status: bool,
-    /// Whether an answer to that query is outstanding.
+    /// Whether an answer to the query of the status flags is outstanding.
     asks_status: bool,
     /// Whether the adapter has answered a command on this connection.
     has_answered: bool,

@@ -104,7 +104,8 @@ pub(crate) fn note_zero_point(bench: &mut Bench<'_>, has_operational: bool) {
     bench.changes.baseline.zero_point = bench.unjudged(Bench::look_at_zero_point).ok().flatten();
 }
 
-/// Restarts the device once, and reads the values that a start loads from its memory. `known`: its objects.
+/// Restarts the device once, and reads the values that a start loads from its memory. `known`: the objects of
+/// the device with the values in use.
 ///
 /// # Errors
 /// [`Stop::Inconclusive`] if the run was cancelled or the device does not start; [`Stop::Error`] if the journal can't

@@ -218,7 +218,7 @@ impl Bench<'_> {
     /// by itself.
     ///
     /// # Errors
-    /// [`Stop::Inconclusive`] if the device does not get there.
+    /// [`Stop::Inconclusive`] if the device does not reach this state.
     pub fn prepare(&mut self) -> Result<(), Stop> {
         self.reset(Command::RESET_NODE)?;
         if self.unjudged(Self::starts_by_itself)? {

@@ -87,7 +87,7 @@ impl OpenTransfer {
                 | Response::InitiateBlockUpload { .. },
             ) => self.has_begun(),
             // A refused request begins nothing, but may leave the transfer before it open. Only a served request shows
-            // that the server has ended that one.
+            // that the server has ended the earlier transfer.
             Ok(Response::Abort(_)) => self.asked = None,
             _ => {}
         }

@@ -57,7 +57,7 @@ pub enum RunError {
         /// The messages of the others.
         messages: Vec<ForeignMessages>,
     },
-    /// The journal could not be written, without which nothing may be changed.
+    /// The journal could not be written. Without a journal the tester may change nothing.
     #[error("the journal of the run can't be written: {0}")]
     Journal(String),
     /// The bus failed before the first case.

@@ -29,12 +29,12 @@ pub struct Ruled {
     pub excuse: Option<Excuse>,
 }
 
-/// An announcement that the device differs from the standard in this way.
+/// The announcement of a difference of the device from the standard. It excuses a breach that shows this difference.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Excuse {
     /// The text of the documentation or the waiver, with its source.
     pub documented: String,
-    /// The authority that announces it.
+    /// The authority that announces the difference.
     pub by: Authority,
 }
 

@@ -29,7 +29,7 @@ fn original(index: u16, sub: u8, value: &[u8]) -> Original {
     Original { multiplexer: Multiplexer::new(index, sub), value: value.to_vec() }
 }
 
-/// The tester's frames since this one, in short: `1017:00=E803` for a write, `NMT 81 3F`.
+/// The tester's frames after the first `since` frames, in short: `1017:00=E803` for a write, `NMT 81 3F`.
 fn sent(bench: &mut Bench<'_>, since: usize) -> Vec<String> {
     bench.uncancelled(|bench| bench.drain()).unwrap();
     let own = bench.evidence().frames().skip(since).filter(|exhibit| exhibit.record.direction == Direction::Tx);

@@ -31,7 +31,8 @@ fn nothing(expected: &str, actual: &str) -> Stop {
     Stop::NotApplicable(Reason::new("the description has an object for this case", expected, actual))
 }
 
-/// Communication and profile objects that hold a configuration, and nothing that acts when it is written.
+/// Whether an object is a communication or profile object that holds a configuration and does not act when it is
+/// written.
 fn is_harmless(bench: &Bench<'_>, at: Multiplexer) -> bool {
     bench.may_write(at)
         && !bench.acts(at)

@@ -80,7 +80,7 @@ fn every_pair(bench: &mut Bench<'_>, forms: &[Form], counts: impl Fn(Form, Form)
         match judge_second(bench, &mut subjects, *pair) {
             Err(Stop::Breach(breach)) => {
                 bench.check(Err(breach))?;
-                // The next pair must not begin with the rest of this one.
+                // The next pair must not begin with the remains of this pair.
                 subjects.settle(bench)?;
             }
             other => other?,
@@ -121,8 +121,8 @@ fn is_served(bench: &mut Bench<'_>, subjects: &mut Subjects, form: Form) -> Resu
     }
 }
 
-/// Brings the first transfer to its end. A transfer that does not begin after the pair before is judged as the second
-/// of another pair.
+/// Brings the first transfer of a pair to its end; `false` if the first transfer fails. Other pairs, which have the same
+/// transfer as their second one, judge such a failure.
 fn has_first(bench: &mut Bench<'_>, subjects: &mut Subjects, pair: Pair) -> Result<bool, Stop> {
     let (form, end) = pair.first;
     match bench.unjudged(|bench| subjects.end(bench, form, end, 0)) {

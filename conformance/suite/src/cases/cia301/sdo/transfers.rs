@@ -174,7 +174,7 @@ impl Subjects {
         Ok(true)
     }
 
-    /// Writes that one of the object's two values which it does not hold now, and reads it back.
+    /// Writes the other of the two values of an object, which the object does not hold now, and reads the object back.
     fn download(&mut self, bench: &mut Bench<'_>, form: Form, object: usize) -> Judged {
         let Scratch { multiplexer: at, value, other } = &self.scratch[object];
         let new = if self.held[object] == *value { other.clone() } else { value.clone() };
