@@ -1,4 +1,4 @@
-//! The stand-in for PEAK's library, built by the C compiler. Tests tell it what happens on the bus.
+//! The stand-in for PEAK's library, built by the C compiler. Tests tell the stand-in the events on the bus.
 #![allow(unsafe_code, reason = "functions of a library in C")]
 
 use canvass_bus::pcan::{Channel, Opening, Pcan, PcanError};

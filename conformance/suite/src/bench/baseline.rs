@@ -185,14 +185,14 @@ pub(crate) fn would_lose_zero_point(bench: &Bench<'_>) -> bool {
     moved.is_some_and(|zero_point| !(may_preset && zero_point.takes_position()))
 }
 
-/// Restarts the device, compares the loaded values with those before the run, and puts back what the user allows:
-/// settings by writing and storing them, the zero point by a preset at rest.
+/// Restarts the device, compares the loaded values with those before the run, and puts back the values that the
+/// user allows: settings by writing and storing them, the zero point by a preset at rest.
 pub(crate) fn put_back_memory(bench: &mut Bench<'_>, may_store: bool, may_preset: bool) -> Result<MemoryLeft, Stop> {
     bench.unjudged(|bench| {
         restart(bench)?;
         let mut left = memory_left(bench)?;
         // Values that can't be read may have changed. Some devices use restored defaults until power-off and do not
-        // store them, which hides what a case has stored before.
+        // store them, which hides the values that a case has stored before.
         let is_hidden = bench.traffic.watch.has_loaded() || !bench.changes.baseline.unseen.is_empty();
         if may_store && (is_hidden || !left.changes.is_empty()) {
             store_settings(bench)?;
@@ -266,7 +266,7 @@ pub(crate) fn put_back_device(
 ) -> Comparison {
     let memory = match bench.changes.baseline.stored {
         // A failure here shows in the comparison of the dictionary.
-        // Each case has put back what it stored: any remaining value was stored without a command.
+        // Each case has put back the values that it stored: any remaining value was stored without a command.
         Some(_) => {
             let may_store = may_store(bench) && (bench.stores() > 0 || !bench.changes.baseline.unseen.is_empty());
             let left = bench.uncancelled(|bench| put_back_memory(bench, may_store, false)).unwrap_or_default();

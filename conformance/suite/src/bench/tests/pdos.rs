@@ -90,7 +90,7 @@ fn a_timer_that_is_not_there_is_off() {
     });
 }
 
-/// A COB-ID without CAN-ID gets the one of the predefined connection set.
+/// A COB-ID without CAN-ID gets the CAN-ID of the predefined connection set.
 #[test]
 fn a_cob_id_is_made_valid() {
     on_device(|bench| {

@@ -257,7 +257,7 @@ fn cob_id(bench: &mut Bench<'_>) -> Judged {
 }
 
 /// The case only records whether a consumer that expects a counter follows a SYNC whose length is not one byte. Such a
-/// consumer may report the SYNC by EMCY 8240h; the standard does not define what its TPDOs do.
+/// consumer may report the SYNC by EMCY 8240h; the standard does not define whether the consumer then sends its TPDOs.
 #[case(id = "301/sync/wrong-length", clause = "CiA 301 7.5.2.22", confidence = Cited, level = Open,
        needs = [SyncCounter, Tpdo, DynamicMapping], catches = [SyncLengthUnchecked])]
 fn wrong_length(bench: &mut Bench<'_>) -> Judged {

@@ -121,8 +121,8 @@ fn is_served(bench: &mut Bench<'_>, subjects: &mut Subjects, form: Form) -> Resu
     }
 }
 
-/// Brings the first transfer of a pair to its end; `false` if the first transfer fails. Other pairs, which have the same
-/// transfer as their second one, judge such a failure.
+/// Brings the first transfer of a pair to its end; `false` if the first transfer fails. Other pairs, in which the same
+/// transfer is the second, judge such a failure.
 fn has_first(bench: &mut Bench<'_>, subjects: &mut Subjects, pair: Pair) -> Result<bool, Stop> {
     let (form, end) = pair.first;
     match bench.unjudged(|bench| subjects.end(bench, form, end, 0)) {
