@@ -87,7 +87,8 @@ fn clauses_are_those_that_say_it() {
     }
 }
 
-/// A new initiate ends a segmented transfer and starts its own; for block transfers the standard does not say so.
+/// A new initiate ends a segmented transfer and starts a new transfer. The standard does not say that an initiate ends
+/// a block transfer.
 #[test]
 fn a_new_initiate_replaces_a_segmented_transfer() {
     let rows = [

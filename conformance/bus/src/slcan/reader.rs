@@ -135,7 +135,7 @@ impl Reader {
         // Ends an unfinished line of another program.
         self.shared.tell(b"\r\r")?;
         self.reopen_channel()?;
-        // Some adapters never answer. If this one answered before, it is not ready yet, or lost again.
+        // Some adapters never answer. An adapter that answered before is not ready yet, or is lost again.
         if self.is_answering && !self.has_answered {
             return Err(self.shared.not_connected());
         }
@@ -316,7 +316,7 @@ impl Reader {
                 (self.asks_status, self.has_told_status) = (false, true);
                 self.note(status);
             }
-            // This is most likely the answer to the query of the status flags.
+            // A refusal is most likely the answer to the query of the status flags.
             Message::Refused => (self.asks_status, self.has_status) = (false, false),
             Message::Unknown(line) if !line.is_empty() => self.shared.inbox.note(|health| health.lost += 1),
             _ => {}

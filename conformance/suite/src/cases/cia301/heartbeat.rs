@@ -109,7 +109,7 @@ fn off(bench: &mut Bench<'_>) -> Judged {
 }
 
 /// A heartbeat is one byte that holds the NMT state: 7Fh pre-operational, 05h operational, 04h stopped; bit 7 is 0.
-/// This holds for the first heartbeat, too. While the state changes, a heartbeat may show either state.
+/// The first heartbeat is no exception. While the state changes, a heartbeat may show either state.
 #[case(id = "301/heartbeat/state", clause = "CiA 301 7.2.8.3.2.2", confidence = Cited, level = Must,
        needs = [Heartbeat], catches = [HeartbeatWrongState, HeartbeatToggles, HeartbeatLostOnStateChange])]
 fn state(bench: &mut Bench<'_>) -> Judged {

@@ -244,8 +244,8 @@ fn segmented_downloads_are_known_unless_the_command_is() {
     assert_eq!(asked(&LONG_SCRATCH, dictionary(Vec::new()), &text, &Options::default()), Ok(()));
 }
 
-/// A 1017h that can't be written although the description says so is a breach; without such a description it only does
-/// not meet the need.
+/// If the description says that 1017h can be written and the device refuses the write, that is a breach. Without such a
+/// description the refusal only means that the device does not meet the need.
 #[test]
 fn a_heartbeat_time_that_can_not_be_written_breaks_its_description() {
     let met = |lines: &str, rows: &[Row]| {
