@@ -3,7 +3,7 @@
 use canvass_traces::{Duration, Timestamp};
 use std::fmt;
 
-/// Counters since the bus was opened. The difference of two of them counts the events in between.
+/// Counters since the bus was opened. The difference of two readings counts the events between them.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Health {
     /// Number of frames of the bus that did not reach the tester: the controller had no room for them, or a queue of

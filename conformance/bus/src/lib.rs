@@ -100,8 +100,9 @@ pub trait Bus {
         let _ = frames;
     }
 
-    /// Requests only frames with 11-bit identifiers that match one of these pairs of identifier and mask: both must be
-    /// equal in the bits of the mask. The bus may deliver other frames all the same.
+    /// Requests only frames with 11-bit identifiers that match one of these pairs of identifier and mask. A frame
+    /// matches if its identifier equals that of the pair in the bits of the mask. The bus may deliver other frames all
+    /// the same.
     ///
     /// # Errors
     /// [`BusError`] if the bus does not accept the filter.

@@ -11,7 +11,7 @@ pub struct Participation {
     pub sent: u64,
     /// Number of frames that the bus did not take.
     pub unsent: u64,
-    /// The reason why the last of these frames was not taken, or why the bit rate could not be changed.
+    /// The reason why the bus did not take the last of the unsent frames, or why the bit rate could not be changed.
     pub trouble: Option<String>,
 }
 
@@ -117,7 +117,8 @@ mod tests {
     use super::*;
     use crate::SimulatedBus;
 
-    /// A machine that has a bit rate of 500 kbit/s from second 1 to second 2, and before and after it that of the bus.
+    /// A machine with a bit rate of 500 kbit/s from second 1 to second 2. Before and after, it has the bit rate of the
+    /// bus.
     #[derive(Default)]
     struct Changing(u64);
 

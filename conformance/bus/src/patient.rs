@@ -12,10 +12,10 @@ use std::time::Instant;
 pub struct Endurance {
     /// Maximum duration of one interruption.
     pub patience: Duration,
-    /// The end of the bus's use; `None` if there is none. Later actions, such as restoring a device, wait for an
-    /// interrupted bus for at most five more seconds.
+    /// The time at which the use of the bus ends; `None` if it never ends. Later actions, such as restoring a device,
+    /// wait for an interrupted bus for at most five more seconds.
     pub ends: Option<Instant>,
-    /// Whether the user has ended the use; the consequence is that of `ends`.
+    /// Whether the user has ended the use of the bus, which has the same effect as the time `ends`.
     pub cancelled: Arc<AtomicBool>,
 }
 
@@ -43,7 +43,8 @@ impl<'a> PatientBus<'a> {
         Self { bus, endurance, waits_since: None, cancelled_at: None, has_heard: false }
     }
 
-    /// Whether waiting may help: if no other node was ever heard and none acknowledges, there is probably none.
+    /// Whether the bus may take the frame later. If no other node was ever heard and none acknowledges, there is
+    /// probably no other node.
     const fn may_end(&self, refused: &BusError) -> bool {
         refused.is_interruption() && (self.has_heard || !refused.is_full())
     }
@@ -58,7 +59,7 @@ impl<'a> PatientBus<'a> {
         Ok(())
     }
 
-    /// Whether the bus no longer waits, in an interruption in which waiting began at `since`.
+    /// Whether the bus no longer waits for the end of the interruption; the waiting began at `since`.
     fn is_over(&mut self, since: Instant) -> bool {
         let now = Instant::now();
         if self.endurance.cancelled.load(Ordering::Relaxed) {

@@ -1,4 +1,4 @@
-//! Connections to an SLCAN adapter that are interrupted, each in another way, and are used again afterwards.
+//! Interrupts the connection to an SLCAN adapter in different ways, and checks that it works again afterwards.
 
 use canvass_bus::slcan::SlCan;
 use canvass_bus::{Bus, BusError};
@@ -87,7 +87,7 @@ fn a_connection_without_a_sign_of_life_is_made_anew() {
     let adapter = std::thread::spawn(move || {
         let mut dead = listener.accept().unwrap().0;
         let mut asked = 0;
-        // The adapter answers the query of the status flags once, and then nothing any more.
+        // The adapter answers the query of the status flags once, and then falls silent.
         serve(&mut dead, |line| {
             asked += u32::from(line == "F");
             asked == 2

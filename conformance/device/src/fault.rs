@@ -10,7 +10,7 @@ use canvass_macros::Catalogue;
 use std::fmt;
 use std::str::FromStr;
 
-/// One defect of a firmware. Each is a switch of its own; they can be combined.
+/// A defect of a firmware. Each fault is a separate switch; faults can be combined.
 #[derive(Catalogue, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Fault {
     /// No boot-up message after a reset.
@@ -49,7 +49,8 @@ pub enum Fault {
     NmtResetNodeKeepsParameters,
     /// The SDO server does not answer in operational.
     SdoSilentWhenOperational,
-    /// The next upload of a value of four bytes returns the bytes of a segment that was refused.
+    /// After a misplaced download segment was refused, the next upload of a four-byte value returns the bytes of this
+    /// segment.
     SdoRefusedSegmentServed,
     /// A download segment during an upload is refused, but overwrites the value of the upload.
     #[row(fuzz = Never(StringChanged))]
@@ -123,7 +124,7 @@ pub enum Fault {
     SdoStrayBlockSilent,
     /// A new request during a segmented download is refused with abort 0504 0001h.
     SdoBusyAfterAbandonedDownload,
-    /// A second request before the answer to the first changes the object that this answer names.
+    /// A second request that comes before the answer to the first one changes the object that this answer names.
     #[row(model = "kuebler-sendix-58x8", fuzz = Never(OverlappingRequest))]
     SdoBackToBackMixed,
     /// Every hundredth request is not answered.
@@ -866,7 +867,7 @@ pub enum Fault {
     TpdoBytesReversed,
     /// A TPDO whose CAN-ID is changed is still sent with the old one.
     TpdoKeepsCanId,
-    /// After a reset a TPDO is sent with the CAN-ID that was written before, whatever 1800h:01 reads.
+    /// After a reset a TPDO is sent with the CAN-ID that was written before the reset, whatever 1800h:01 shows.
     #[row(fuzz = Never(FoundSometimes))]
     TpdoIdOutlivesReset,
     /// A TPDO that is due while the SDO server writes an object is lost.
@@ -1218,7 +1219,7 @@ pub enum Fault {
     StructureEntryWrong,
     /// 1015h increases by one at every reset.
     ParameterDriftsAtReset,
-    /// A download to a sub-index that does not exist is refused alternately for this reason and as read-only.
+    /// Downloads to a sub-index that does not exist are refused alternately with abort 0609 0011h and 0601 0002h.
     SdoRefusalAlternates,
     /// A maximum below its minimum is refused with abort 0601 0002h.
     #[row(model = "reference-406")]
@@ -1238,8 +1239,8 @@ pub enum Fault {
     /// A new CAN-ID in 1005h has no effect: SYNC is still received and sent with the old CAN-ID.
     #[row(fuzz = Never(SyncCanId))]
     SyncKeepsCanId,
-    /// Switch state global to configuration, in configuration, has the effect of leaving it: a device without node-ID
-    /// starts with the node-ID that it has received.
+    /// In configuration, a repeated switch state global to configuration acts like leaving configuration: a device
+    /// without node-ID starts with the node-ID that it has received.
     #[row(fuzz = Never(UnconfiguredStart))]
     LssLeavesWhenToldAgain,
     /// 1007h has no effect: synchronous TPDOs are sent with any delay.
@@ -1364,7 +1365,8 @@ pub enum Fault {
     SdoUnsizedSevenTruncated,
     /// A block download without CRC loses its last byte if its length is a multiple of 7, from 14.
     SdoBlockSevenWithoutCrcTruncated,
-    /// A segmented download that does not announce its size must have the size that the one before announced.
+    /// A segmented download that does not announce its size must have the size that the last segmented download
+    /// announced.
     SdoStaleSizeExpected,
     /// The first start after "save" reports EMCY 5000h, and the device does not enter operational until the next start.
     #[row(fuzz = Never(AfterStore))]
@@ -1404,7 +1406,7 @@ impl Fault {
         self.row().model
     }
 
-    /// Whether the fuzzer claims to find the fault without further touches allowed.
+    /// Whether the fuzzer claims to find the fault even if the user allows no touch.
     pub const fn is_fuzzed(self) -> bool {
         matches!(self.row().fuzz, Found)
     }

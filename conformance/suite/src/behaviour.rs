@@ -1,5 +1,5 @@
-//! The behaviour of a device after a start that no object shows: its EMCYs, its state and its PDOs. A run compares this
-//! behaviour before and after its cases.
+//! The behaviour of a device after a start, as far as no object shows it: its EMCYs, its state and its PDOs. A run
+//! compares this behaviour before and after its cases.
 
 use canvass_analyzer::wire::emcy::EmcyCode;
 use canvass_analyzer::wire::error_control::State;
@@ -102,7 +102,8 @@ mod tests {
         );
     }
 
-    /// An error that ended, a state that did not show and a PDO that comes by chance are no change.
+    /// An error that is gone, a state that the device no longer shows, and a PDO with fewer than [`CERTAIN`] frames are
+    /// no change.
     #[test]
     fn what_only_did_not_show_is_no_change() {
         let before = behaviour(&[0x8100], None, &[(0x181, 2)]);

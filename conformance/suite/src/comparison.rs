@@ -33,7 +33,7 @@ pub struct Change {
     pub name: Option<String>,
     /// The data type according to the description or the standard.
     pub data_type: Option<DataType>,
-    /// Who sets the value.
+    /// How the value can change.
     pub nature: Nature,
     /// The value before the run; `None` if it could not be read.
     pub before: Option<Vec<u8>>,
@@ -41,7 +41,7 @@ pub struct Change {
     pub after: Option<Vec<u8>>,
 }
 
-/// Who sets the value of an object.
+/// How the value of an object can change. This decides whether the run must put it back.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Nature {
     /// The value is written over the bus: the run must leave it as it was.

@@ -11,9 +11,9 @@ use std::ops::RangeInclusive;
 /// A kind of messages that others send to the device under test or for it.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum ForeignKind {
-    /// Requests to its SDO server that change no object.
+    /// Requests to the SDO server of the device that change no object.
     SdoRead,
-    /// Requests to its SDO server that write objects.
+    /// Requests to the SDO server of the device that write objects.
     SdoWrite,
     /// NMT commands to the device or to all nodes.
     Nmt,

@@ -8,14 +8,14 @@
 //! device motor.eds
 //! operational yes
 //! value 1017:00 E803      the dictionary before the first case
-//! zero-point 6003:00 6004:00 8192 100 0 7 -   where the zero point was: preset, position, range; position, its spread, offset, raw
+//! zero-point 6003:00 6004:00 8192 100 0 7 -   objects of preset and position, range; position, spread, offset, raw
 //! begun
-//! stored 1017:00 D007     what a start brings
+//! stored 1017:00 D007     the value after a start
 //! stored-zero-point 6003:00 6004:00 8192 93 0 0 -
 //! value 2041:00 41010000  an object that the dictionary does not hold, before a case wrote it
-//! case 301/store/all      a case began that may store values or change the node-ID or bit rate
+//! case 301/store/all      a case begins that may store values or change the node-ID or bit rate
 //! stores                  before the device was told to write its non-volatile memory
-//! settled                 the case has put all of that back
+//! settled                 the case has put back all its changes
 //! ```
 //!
 //! A last line without line end is incomplete: its change was not made.

@@ -2,9 +2,9 @@
 //!
 //! - [`catalogue`]: all cases; [`case`](mod@case): the parts of a case; [`verdict`]: the outcomes of a case;
 //! - [`foreign`]: effects of other nodes on the bus;
-//! - [`need`]: what a case needs of a device; [`needs`]: all needs;
+//! - [`need`]: the features of a device that a case needs; [`needs`]: all needs;
 //! - [`bench`](mod@bench): the connection of a case to the device;
-//! - [`runner`]: runs cases and reports events; [`waiver`]: which failures the user accepts;
+//! - [`runner`]: runs cases and reports events; [`waiver`]: the failures that the user accepts;
 //! - [`selftest`]: the cases tested on firmware with known faults.
 
 #![warn(clippy::disallowed_methods)]

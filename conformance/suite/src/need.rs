@@ -213,7 +213,8 @@ pub(crate) mod tests {
         }
     }
 
-    /// The outcomes of two cases that need block uploads, one after the other; the first case is open.
+    /// The outcomes of three cases that need block uploads, one after the other: one of level open, then two of level
+    /// must.
     fn outcomes(answer: &'static str) -> [Result<(), Stop>; 3] {
         const NEEDS: &[&Need] = &[&crate::needs::BLOCK_UPLOAD];
         let needs = |level| {

@@ -1,4 +1,4 @@
-//! The order of cases for a run that may not last long: the cases that see most per second come first.
+//! The order of cases for a run that may not last long: the cases that find most faults per second come first.
 //!
 //! The measure is the catalogue's own: the faults that each case names in `catches`, which the selftest proves.
 
@@ -16,8 +16,9 @@ pub struct Timed {
     pub takes: Duration,
 }
 
-/// Sorts the cases: first the case that catches most faults per second, then the case that catches most faults per second
-/// which no case before it catches, and so on. Cases that catch no further fault come last, quick ones first.
+/// Sorts the cases: first the case that catches most faults per second, then in each step the case that catches most
+/// further faults per second. A further fault is one that no earlier case catches. Cases that catch no further fault
+/// come last, quick ones first.
 pub fn by_benefit(cases: &[Timed]) -> Vec<Timed> {
     let (mut left, mut sorted, mut caught) = (cases.to_vec(), Vec::with_capacity(cases.len()), HashSet::new());
     while let Some(at) = best(&left, &caught) {
@@ -38,7 +39,7 @@ fn best(cases: &[Timed], caught: &HashSet<&Fault>) -> Option<usize> {
         further as f64 / timed.takes.nanos().max(1_000_000) as f64
     };
     let ratios = cases.iter().map(benefit).enumerate().filter(|(_, ratio)| *ratio > 0.0);
-    // The first of equal ones, so that the order is that of the catalogue.
+    // Of cases with the same ratio the first one, so that the order is that of the catalogue.
     let best = ratios.fold(None, |best: Option<(usize, f64)>, one| match best {
         Some(known) if known.1 >= one.1 => best,
         _ => Some(one),
@@ -46,8 +47,8 @@ fn best(cases: &[Timed], caught: &HashSet<&Fault>) -> Option<usize> {
     best.map(|(at, _)| at)
 }
 
-/// The first cases of [`by_benefit`] that together catch `percent` of the faults that all these cases catch, in the order
-/// of the catalogue.
+/// The first cases of [`by_benefit`] that together catch `percent` of the faults that all these cases catch, in the
+/// order of the catalogue.
 pub fn quick(cases: &[Timed], percent: usize) -> Vec<Timed> {
     let all = caught(cases);
     let mut caught: HashSet<&Fault> = HashSet::new();
@@ -73,7 +74,7 @@ mod tests {
     use super::*;
     use crate::catalogue::cases;
 
-    /// Every case takes a second, but these.
+    /// All cases. Each takes a second, except the cases in `slow`, which take the given number of seconds.
     fn timed(slow: &[(&str, u64)]) -> Vec<Timed> {
         let takes = |id: &str| slow.iter().find(|row| row.0 == id).map_or(1, |row| row.1);
         cases().into_iter().map(|case| Timed { case, takes: Duration::from_secs(takes(case.id)) }).collect()

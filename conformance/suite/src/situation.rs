@@ -1,8 +1,8 @@
 //! The answers that CiA 301 allows in each situation: one table for the cases and the fuzzer's oracle.
 //!
-//! A situation is a request in terms of the standard: a write to a read-only object, a repeated toggle bit. The table
-//! states which answers pass, which of them only CiA's own test tool accepts, where the standard says so, and how
-//! strictly.
+//! A situation is a request in terms of the standard: a write to a read-only object, a repeated toggle bit. For each
+//! situation the table gives the answers that pass, the answers that only CiA's own test tool accepts, the clause of
+//! the standard, and how binding that clause is.
 
 use crate::clause::{Clause, Confidence, Level};
 use canvass_analyzer::wire::sdo::AbortCode as Code;

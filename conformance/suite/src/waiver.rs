@@ -3,15 +3,16 @@
 //! ```toml
 //! [[waiver]]
 //! case = "301/pdo/mapping/*"              # an id or a pattern with *
-//! object = "1A00:01"                      # what the breach is about, as reports name it
-//! does = "abort 0604 0041h"               # what the device does, as reports name it
+//! object = "1A00:01"                      # the subject of the breach, as reports name it
+//! does = "abort 0604 0041h"               # the behaviour of the device, as reports name it
 //! reason = "mapping is fixed, ticket 4711"
-//! owner = "Ann"                           # optional: who answers for it
+//! owner = "Ann"                           # optional: the person who answers for the waiver
 //! expires = 2027-06-30                    # optional: the last day on which the waiver holds
 //! ```
 //!
-//! [`Quarantine`]s are in the same file. A waiver excuses this behaviour of this object in this case; the verdict is
-//! then *deviation*. All other breaches of the case still fail it. A waiver for a case that does not exist is an error.
+//! [`Quarantine`]s are in the same file. A waiver excuses the behaviour `does` of the object `object` in the case
+//! `case`; the verdict is then *deviation*. All other breaches still fail the case. A waiver for a case that does not
+//! exist is an error.
 //! A waiver that excused nothing, or has expired, is reported with the actual findings: waivers must not outlive their
 //! purpose.
 

@@ -110,7 +110,7 @@ impl ZeroPoint {
         let is_denied = by_offset == Some(0);
         let (steps, is_uncertain) = match by_offset {
             Some(steps) if steps != 0 && takes_position => (steps, false),
-            // A zero set at the current position shows that it was set, but not the distance.
+            // If the zero is set at the current position, the offset shows that it was set, but not the distance.
             Some(changed) if changed != 0 => (by_position, false),
             _ if both_at_rest && !has_turned && by_position.abs() > excused => (by_position, true),
             _ => return None,

@@ -58,7 +58,7 @@ fn check(id: &str, executed_at_least: usize) {
     assert!(idle.is_empty(), "{id}: explained, but not found: {idle:?}");
 }
 
-/// How many cases a model executes at least.
+/// Minimum number of cases that a model executes.
 fn executed_at_least(id: &str) -> usize {
     match id {
         "kuebler-sendix-58x8" | "kuebler-sendix-f58" => 140,

@@ -146,8 +146,8 @@ fn a_node_id_that_the_tester_gave_is_no_other_node() {
     assert!(reports.len() > 15);
 }
 
-/// A firmware that takes another node-ID than it was given fails the case in which it does so, and is back for the next
-/// cases.
+/// A firmware that takes another node-ID than it was given fails the case in which it does so. The tester then brings
+/// it back for the next cases.
 #[test]
 fn a_device_that_turns_up_elsewhere_is_a_breach_and_is_brought_back() {
     fn misread(mut bytes: [u8; 8]) -> Option<[u8; 8]> {

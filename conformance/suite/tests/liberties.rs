@@ -37,7 +37,8 @@ fn a_repeated_toggle_bit_may_be_ignored() {
     );
 }
 
-/// A behaviour of only these devices is recorded, and fails no case.
+/// A device may refuse a new request during a block transfer, or wait without a timeout for its client: the cases only
+/// record this behaviour.
 #[test]
 fn a_new_request_in_a_block_transfer_is_left_open() {
     let cases = [
@@ -128,7 +129,7 @@ fn a_device_may_start_itself_and_choose_its_events() {
 #[test]
 fn refusals_may_be_more_precise_or_come_earlier() {
     spared(Liberty::LimitCodePrecise, &["301/pdo/transmission-type/reserved", "301/sync/overflow-range"]);
-    // The model with limits that has the fault about them.
+    // The model whose objects have limits, on which the fault of unchecked limits shows.
     let model = Model::by_id(Fault::SdoRangeUnchecked.model()).unwrap();
     for id in ["301/sdo/download/out-of-range", "301/sdo/download/below-range"] {
         let report = selftest::judge(catalogue::find(id).unwrap(), model, Liberty::RangeCodeGeneral);

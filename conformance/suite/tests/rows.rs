@@ -1,5 +1,5 @@
-//! Answers that CiA 301 allows and a case once failed, or the reverse: each tested on right devices, and on a wrong
-//! device that must still be found.
+//! Answers that a case once judged against CiA 301. Each is tested on right devices, and on a wrong device that the
+//! case must still find.
 
 // `cfg(test)` has no effect here, but tells clippy where a test may unwrap.
 #![cfg(test)]
@@ -87,7 +87,8 @@ fn clauses_are_those_that_say_it() {
     }
 }
 
-/// A new initiate ends a segmented transfer and starts its own; for block transfers the standard does not say so.
+/// A new initiate ends a segmented transfer and starts a new transfer. The standard does not say that an initiate ends
+/// a block transfer.
 #[test]
 fn a_new_initiate_replaces_a_segmented_transfer() {
     let rows = [

@@ -1,5 +1,5 @@
-//! A device without processor time now and then is late with everything, and none of its times fails a case. A device
-//! with wrong timers fails all the same, late or not.
+//! A device that now and then gets no processor time is late with everything, and none of its times fails a case. A
+//! device with wrong timers fails all the same, late or not.
 
 // `cfg(test)` has no effect here, but tells clippy where a test may unwrap.
 #![cfg(test)]
@@ -30,7 +30,7 @@ struct Starved {
 struct Stalls {
     state: u64,
     longest: Duration,
-    /// The longest time from one to the next, in milliseconds.
+    /// The longest time from one stall to the next, in milliseconds.
     apart: u64,
 }
 
@@ -305,7 +305,7 @@ fn lateness_is_told() {
     let late: Vec<_> = reasons.filter(|reason| reason.lack == Lack::Promptness).collect();
     assert!(late.iter().all(|reason| reason.duty == "the device keeps up"), "{late:#?}");
     assert!(late.iter().all(|reason| reason.actual.contains("the device was late as a whole")), "{late:#?}");
-    // What another try did not find again is told by that; the others by a read beside the case.
+    // If a failure did not come again, the reason says so; otherwise a read outside the case has shown the lateness.
     let measured = "the device was late as a whole: a read outside the case";
     assert!(late.iter().any(|reason| reason.actual.starts_with(measured)), "{late:#?}");
     let tried = reports.iter().flat_map(|report| &report.notes).filter(|note| note.contains("late as a whole"));

@@ -186,12 +186,12 @@ fn hangs_in_a_case() {
 #[test]
 fn dies_after_a_reset() {
     let outcomes = tested(Fault::ResetWhenStoppedHangs, &["301", "305", "306"], ALL);
-    // This is the first case that leaves the device stopped, and resets it to find out whether it is present.
+    // The named case is the first that leaves the device stopped, and resets it to find out whether it is present.
     died(&outcomes, "301/error-behaviour/only-operational");
 }
 
-/// Requires that the case in which the device dies fails, that later cases are inconclusive and name it, that cases
-/// without need of a device are judged, and that after the next power-on the device is as before.
+/// Requires that the case in which the device dies fails, that later cases are inconclusive and name that case, that
+/// cases without need of a device are judged, and that after the next power-on the device is as before.
 fn died(outcomes: &Outcomes, culprit: &str) {
     assert_eq!(outcomes.ending(&[Kind::Fail, Kind::Error]), BTreeSet::from([culprit]));
     let told = &outcomes.verdicts[culprit].1;

@@ -202,7 +202,7 @@ fn an_inhibit_time_as_delivered() {
     assert_eq!(report.verdict.kind(), Kind::Fail, "the value that is there is no change");
 }
 
-/// RPDOs carry only what the limits of the description allow.
+/// The cases write only values within the limits of the description by RPDO.
 #[test]
 fn an_object_with_narrow_limits() {
     let limits = "DefaultValue=0\nLowLimit=-5\nHighLimit=0";
@@ -231,8 +231,8 @@ fn a_file_names_the_vendor_but_may_number_products_its_own_way() {
     assert_eq!(failing_identity(|device| device.vendor_number = Some(0x13)), ["301/identity/vendor-id"]);
 }
 
-/// Cases that are said not to make the device operational do not do so: a run of only these cases does not check its
-/// behaviour in operational.
+/// A case that is marked as one that does not start the device does not make it operational: a run of only such cases
+/// does not check the behaviour in operational.
 #[test]
 fn who_does_not_start_the_device_does_not_start_it() {
     let model = Model::by_id("reference-301").unwrap();

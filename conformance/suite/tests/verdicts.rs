@@ -49,7 +49,8 @@ fn kinds_have_names_titles_and_an_order() {
     assert_eq!(format!("{:>6}|{:<6}|", Kind::Pass, Kind::Fail), "  pass|fail  |");
 }
 
-/// The reason is that of the worst outcome: of the end if it is the worst, otherwise of the first breach of that kind.
+/// The reason of a verdict comes from the worst outcome: from the end if the end is the worst, otherwise from the first
+/// breach of that kind.
 #[test]
 fn the_reason_is_that_of_the_worst() {
     let told = |breaches: &[Ruled], end: Option<End>| {

@@ -16,10 +16,11 @@ pub struct UploadManner {
     pub crc: bool,
     /// The protocol switch threshold in bytes; 0: never switch.
     pub threshold: u8,
-    /// In this block (from 0), once, the client confirms segments only up to this number, as if the others had been
-    /// lost.
+    /// A block (counted from 0) and a segment number: once, the client confirms the segments of this block only up to
+    /// this number, as if the later segments had been lost.
     pub lose_after: Option<(usize, u8)>,
-    /// In this block (from 0) the client confirms this number, independently of the segments received.
+    /// A block (counted from 0) and a segment number: the client confirms this block with this number, whatever
+    /// segments the client has received.
     pub confirm: Option<(usize, u8)>,
     /// Whether the client leaves the end of the upload unanswered.
     pub no_end: bool,

@@ -46,7 +46,7 @@ impl Excess {
     }
 }
 
-/// One side of an [`UploadLimit`].
+/// The limit of an [`UploadLimit`] that an upload has exceeded.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Bound {
     Bytes(usize),

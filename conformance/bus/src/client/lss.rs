@@ -70,8 +70,8 @@ impl Fastscan {
         self.request(part, bit, part)
     }
 
-    /// The request also names the next part; after the last part it names the first one, which ends the scan for the
-    /// slave.
+    /// Verifies a part of the address. The request also names the next part; after the last part it names the first
+    /// one, which ends the scan for the slave.
     fn verify(&mut self, part: usize) -> ScanStep {
         self.stage = Stage::Verify { part };
         self.request(part, 0, (part + 1) % self.address.len())

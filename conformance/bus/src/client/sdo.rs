@@ -225,7 +225,7 @@ impl Transfer {
         (elapsed > self.limit.time).then_some(excess)
     }
 
-    /// Whether an unfinished upload exceeds the limit with this number of bytes.
+    /// The excess, if the received bytes or the announced size of an unfinished upload exceed the limit.
     fn has_too_many(&self, received: usize, announced: Option<u32>) -> Option<Excess> {
         let most = self.limit.bytes;
         let is_beyond = received > most || announced.is_some_and(|size| size as usize > most);

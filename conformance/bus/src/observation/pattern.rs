@@ -25,7 +25,8 @@ pub struct Pattern(Accepted);
 #[derive(Clone, PartialEq, Eq, Debug)]
 enum Accepted {
     Exactly(Observation),
-    /// A frame in this notation, or a violation of this name. Other details of the observation do not matter.
+    /// `Frame` holds the notation of a frame, `Violation` the name of a violation. Other details of the observation do
+    /// not matter.
     Frame(String),
     Violation(String),
     /// Any observation of this sort.
@@ -114,7 +115,8 @@ fn required<T>(found: Option<T>, expected: &str, text: &str) -> Result<T, BadPat
     found.ok_or_else(|| BadPattern { problem: format!("expected {expected}, found \"{text}\"") })
 }
 
-/// Parses an abort code in any case. A text after it is ignored, as an [`Observation::Abort`] is printed with one.
+/// Parses an abort code, in upper or lower case. The meaning, which is printed after the code of an
+/// [`Observation::Abort`], is ignored.
 fn abort(text: &str) -> Option<AbortCode> {
     let digits: String = text.chars().filter(|c| !c.is_whitespace()).take(8).collect();
     u32::from_str_radix(&digits, 16).ok().filter(|_| digits.len() == 8).map(AbortCode)

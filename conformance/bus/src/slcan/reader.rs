@@ -46,9 +46,9 @@ pub(super) struct Reader {
     records: Vec<Record>,
     /// Whether the adapter may answer the query of its status flags.
     has_status: bool,
-    /// Whether the adapter has answered that query on this connection.
+    /// Whether the adapter has answered the query of its status flags on this connection.
     has_told_status: bool,
-    /// Whether an answer to that query is outstanding.
+    /// Whether an answer to the query of the status flags is outstanding.
     asks_status: bool,
     /// Whether the adapter has answered a command on this connection.
     has_answered: bool,
@@ -135,7 +135,7 @@ impl Reader {
         // Ends an unfinished line of another program.
         self.shared.tell(b"\r\r")?;
         self.reopen_channel()?;
-        // Some adapters never answer. If this one answered before, it is not ready yet, or lost again.
+        // Some adapters never answer. An adapter that answered before is not ready yet, or is lost again.
         if self.is_answering && !self.has_answered {
             return Err(self.shared.not_connected());
         }
@@ -316,7 +316,7 @@ impl Reader {
                 (self.asks_status, self.has_told_status) = (false, true);
                 self.note(status);
             }
-            // This is most likely the answer to the query of the status flags.
+            // A refusal is most likely the answer to the query of the status flags.
             Message::Refused => (self.asks_status, self.has_status) = (false, false),
             Message::Unknown(line) if !line.is_empty() => self.shared.inbox.note(|health| health.lost += 1),
             _ => {}

@@ -24,7 +24,7 @@ enum State {
 
 impl State {
     /// Writes a line. After an error the connection takes no more lines, because the other end may have received a part
-    /// of this one.
+    /// of the failed line.
     fn write(&mut self, line: &[u8]) -> io::Result<()> {
         let writer = match self {
             Self::Opening(writer) | Self::Open(writer) => writer,

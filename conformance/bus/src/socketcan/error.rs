@@ -38,7 +38,7 @@ pub enum SocketCanError {
         /// The command that brings the interface up.
         command: String,
     },
-    /// This process is not allowed to do it.
+    /// The process has no permission for the action.
     #[error("no permission to {action} {interface}: run as root, or give the container the network of its host")]
     Permission {
         /// The failed action.

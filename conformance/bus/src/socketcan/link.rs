@@ -1,5 +1,5 @@
-//! The kernel's data about CAN interfaces, from rtnetlink; and from `/sys/class/net`, as far as the crate does not read
-//! them.
+//! The kernel's data about CAN interfaces, from rtnetlink. `/sys/class/net` gives the data that the crate does not
+//! read.
 
 use socketcan::nl::{CanInterface, CanState, Mtu};
 use std::fmt;

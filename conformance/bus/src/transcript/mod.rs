@@ -29,8 +29,8 @@ pub struct Transcript {
     pub begin: Timestamp,
     /// For each frame, the number of timeouts before it.
     waits: Vec<u64>,
-    /// The times that do not follow from the frames, each with the number of times before it that follow from the
-    /// frames.
+    /// The answers about the time that do not follow from the frames, each with the number of predictable answers
+    /// before it.
     clock: Vec<(u64, Timestamp)>,
     /// Changes of the health, each with the number of unchanged answers before it.
     health: Vec<(u64, Health)>,
@@ -55,7 +55,7 @@ impl Clock {
     /// Handles a frame, or a timeout at the deadline.
     fn advance(&mut self, received: Option<&Record>, deadline: Timestamp) {
         let to = received.map_or(deadline, |record| record.timestamp);
-        // If a wait without end ends all the same, its deadline gives no time.
+        // A wait without deadline may still end; it then gives no time.
         if to < Timestamp::MAX {
             self.0 = self.0.max(to);
         }

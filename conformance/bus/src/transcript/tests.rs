@@ -1,4 +1,4 @@
-//! A tester can repeat on the recording exactly what it did on the bus.
+//! A tester that repeats a run on its recording does exactly the same as on the bus.
 
 use super::*;
 use crate::{Bus, BusError, Latencies, StampTrouble};

@@ -65,7 +65,8 @@ fn frames_go_out_and_come_in() {
     assert_eq!(stand_in.open_with(), None, "the channel is closed");
 }
 
-/// The intervals are those of the adapter's clock, whatever its origin and whenever the frames are fetched.
+/// The intervals between frames follow the adapter's clock, whatever its origin and however late the frames are
+/// fetched.
 #[test]
 fn times_are_those_of_the_adapter() {
     let stand_in = StandIn::plugged(2);

@@ -1,4 +1,4 @@
-//! The stand-in for PEAK's library, built by the C compiler. Tests tell it what happens on the bus.
+//! The stand-in for PEAK's library, built by the C compiler. Tests tell the stand-in the events on the bus.
 #![allow(unsafe_code, reason = "functions of a library in C")]
 
 use canvass_bus::pcan::{Channel, Opening, Pcan, PcanError};
@@ -77,7 +77,7 @@ impl StandIn {
     }
 
     fn tell(&self, function: &[u8], value: u32) {
-        // SAFETY: the function is declared so in stand_in.c.
+        // SAFETY: stand_in.c defines the function with this signature.
         unsafe {
             let function: libloading::Symbol<'_, unsafe extern "C" fn(u16, u32)> = self.library.get(function).unwrap();
             function(self.channel.handle(), value);
@@ -86,7 +86,7 @@ impl StandIn {
 
     /// Sets the answer of a function from now on; 0 restores its normal answer.
     pub fn answer(&self, function: Function, status: u32) {
-        // SAFETY: the function is declared so in stand_in.c.
+        // SAFETY: stand_in.c defines the function with this signature.
         unsafe {
             let answer: libloading::Symbol<'_, unsafe extern "C" fn(u16, u32, u32)> =
                 self.library.get(b"stand_in_answer").unwrap();
@@ -96,7 +96,7 @@ impl StandIn {
 
     /// Makes `times` messages arrive, a millisecond apart, the first at `micros` on the adapter's clock.
     pub fn receive(&self, message: Message, micros: u64, times: u32) {
-        // SAFETY: the function is declared so in stand_in.c.
+        // SAFETY: stand_in.c defines the function with this signature.
         unsafe {
             let receive: libloading::Symbol<'_, unsafe extern "C" fn(u16, *const Message, u64, u32)> =
                 self.library.get(b"stand_in_receive").unwrap();
@@ -107,7 +107,7 @@ impl StandIn {
     /// The sent messages, in order.
     pub fn sent(&self) -> Vec<Message> {
         let mut message = Message::default();
-        // SAFETY: the function is declared so in stand_in.c.
+        // SAFETY: stand_in.c defines the function with this signature.
         let mut sent = |number| unsafe {
             let sent: libloading::Symbol<'_, unsafe extern "C" fn(u16, u32, *mut Message) -> u32> =
                 self.library.get(b"stand_in_sent").unwrap();
@@ -120,7 +120,7 @@ impl StandIn {
     /// The registers with which the channel is open, whether it only listens, and how often it was opened; `None` if it
     /// is closed.
     pub fn open_with(&self) -> Option<(u16, bool, u32)> {
-        // SAFETY: the function is declared so in stand_in.c.
+        // SAFETY: stand_in.c defines the function with this signature.
         let told = unsafe {
             let open: libloading::Symbol<'_, unsafe extern "C" fn(u16) -> u32> =
                 self.library.get(b"stand_in_open").unwrap();

@@ -82,18 +82,19 @@ pub fn open(address: &str) -> Result<Opened, BusError> {
     open_seeded(address, 0)
 }
 
-/// As [`open`]; `seed` determines the random choices of a simulated device.
+/// Opens the bus at an address, like [`open`]. `seed` determines the random choices of a simulated device.
 ///
 /// # Errors
-/// As [`open`].
+/// The errors of [`open`].
 pub fn open_seeded(address: &str, seed: u64) -> Result<Opened, BusError> {
     open_seeded_at(address, seed, None)
 }
 
-/// As [`open_seeded`]; a single simulated device whose address gives no node-ID gets `node`.
+/// Opens the bus at an address, like [`open_seeded`]. A single simulated device gets the node-ID `node` if the address
+/// gives none.
 ///
 /// # Errors
-/// As [`open`].
+/// The errors of [`open`].
 pub fn open_seeded_at(address: &str, seed: u64, node: Option<NodeId>) -> Result<Opened, BusError> {
     match address.parse()? {
         #[cfg(target_os = "linux")]

@@ -82,8 +82,8 @@ pub trait Application: fmt::Debug + Send {
         &[]
     }
 
-    /// Whether a faulty firmware does not copy the value of the object to the objects linked with it. `Some`: when this
-    /// value is written; `None`: when parameters are loaded or read.
+    /// Whether a faulty firmware does not copy the value of the object to the objects linked with it. A write passes
+    /// the written value as `_value`; the loading or reading of parameters passes `None`.
     fn breaks_link(&self, _: Multiplexer, _value: Option<u64>) -> bool {
         false
     }

@@ -57,7 +57,8 @@ impl Condition {
         }
     }
 
-    /// The bits of the error register. Bit 0 is always set, if the device supports it.
+    /// The bits that the condition sets in the error register: bit 0 and the bits of its kind, as far as the device
+    /// supports them.
     pub fn register(self, quirks: &Quirks) -> u8 {
         if let Self::Hardware { register: documented @ 1.., .. } = self {
             return documented;

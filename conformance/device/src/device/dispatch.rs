@@ -126,7 +126,7 @@ impl Device {
         self.context.sync_closed && can_id.is_some_and(|id| self.services.tpdos.use_synchronously(id))
     }
 
-    /// Handles a frame in the form in which the services get it.
+    /// Passes a received frame to the service of its CAN-ID. A remote frame is handled by its CAN-ID alone.
     fn receive(&mut self, now: Timestamp, frame: &Frame) {
         let confuses = self.context.has(Fault::ExtendedFrameObeyed);
         let standard = frame.id().as_standard();

@@ -66,7 +66,8 @@ impl HeartbeatConsumer {
         back
     }
 
-    /// A node that is newly lost; `None` if there is none. The caller repeats this until `None`.
+    /// Marks a node as lost and returns it; `None` if no further node is lost. The caller repeats the call until
+    /// `None`.
     fn next_lost(&mut self, now: Timestamp) -> Option<u8> {
         let watched = self.watched.iter_mut().find(|watched| now >= watched.due)?;
         watched.due = Timestamp::MAX;
@@ -147,8 +148,8 @@ fn watches_another(at: Multiplexer, node: u8, parameters: &Parameters) -> bool {
     others.any(|(other, time)| other != node && time > 0)
 }
 
-/// Checks a write to 1016h: each node-ID in one entry only, and no other node-ID in an entry that was not erased
-/// before.
+/// Checks a write to 1016h: each node-ID may be in one entry only, and an entry gets another node-ID only after it was
+/// erased.
 ///
 /// # Errors
 /// "General parameter incompatibility" otherwise.

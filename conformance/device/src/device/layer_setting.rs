@@ -39,14 +39,15 @@ impl LayerSetting {
 }
 
 impl InOrder {
-    /// Handles a value; returns whether it completed the sequence.
+    /// Handles a message of a sequence; `fits` tells whether its value matches. Returns whether the message completed
+    /// the sequence.
     pub fn takes<N: Numbered>(&mut self, which: N, fits: bool) -> bool {
         let position = which.position();
         let in_order = position == 0 || position == self.0;
         self.reach(if fits && in_order { position + 1 } else { 0 }, N::ALL)
     }
 
-    /// Handles a value in a faulty firmware that ignores the order.
+    /// Handles a message like [`InOrder::takes`], in a faulty firmware that ignores the order of the messages.
     pub fn counts<N: Numbered>(&mut self, fits: bool) -> bool {
         self.reach(if fits { self.0 + 1 } else { 0 }, N::ALL)
     }

@@ -20,8 +20,8 @@ impl Objects {
         }
     }
 
-    /// Makes linked objects equal after groups were loaded: an object whose value differs from its default decides,
-    /// else the first loaded object.
+    /// Makes linked objects equal after groups were loaded. All get the value of the loaded object that differs from
+    /// its default or, if no loaded object differs, of the first loaded object.
     pub(super) fn settle_links(&mut self, groups: Groups) {
         let Self { model, application, parameters, .. } = self;
         let sheet = model.sheet();

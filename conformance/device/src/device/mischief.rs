@@ -282,7 +282,8 @@ impl Mischief {
         }
     }
 
-    /// Handles the abort of a download: the abort code of the server, or another code.
+    /// Handles the refusal of a download: returns the abort message of the server, or a faulty firmware's message with
+    /// another code.
     fn refused(&mut self, at: Multiplexer, code: AbortCode, frame: Frame) -> Frame {
         let is_mapping = object::is_pdo_mapping(at.index.0);
         self.mapping_refused |= is_mapping && self.download.is_some() && self.has(Fault::MappingFailureWedges);

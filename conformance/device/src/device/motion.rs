@@ -1,5 +1,5 @@
-//! The motion of the quantity that a simulated device measures. Position, speed, acceleration and jerk are those of one
-//! course, and consistent at every instant.
+//! The motion of the quantity that a simulated device measures. Position, speed, acceleration and jerk are computed
+//! from one course, so that they agree at every instant.
 //!
 //! The unit of length is the period of the sensor: a revolution of a rotary sensor, a millimetre of a linear sensor.
 //! Time counts from the power-on of the bus.

@@ -1,4 +1,4 @@
-//! The service for each CAN-ID. Most frames of a bus are for other nodes; one look-up tells this.
+//! The service for each CAN-ID. Most frames of a bus are for other nodes, which a single look-up shows.
 
 /// The service that gets data frames with a CAN-ID. If several services are configured for one CAN-ID, the later of
 /// these variants wins.

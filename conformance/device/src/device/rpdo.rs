@@ -24,7 +24,7 @@ struct Rpdo {
     len: usize,
     /// The event timer of the RPDO, which is its deadline; zero if there is none.
     deadline: Duration,
-    /// When the deadline is missed; [`Timestamp::MAX`] until the first PDO.
+    /// The time at which the deadline is missed; [`Timestamp::MAX`] until the first PDO.
     due: Timestamp,
     /// A received PDO that waits for SYNC.
     held: Option<Payload>,
@@ -136,7 +136,7 @@ impl Rpdo {
         self.held = None;
     }
 
-    /// When the deadline is missed.
+    /// The time at which the deadline is missed.
     const fn timeout(&self) -> Timestamp {
         self.due
     }

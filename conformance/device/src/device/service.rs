@@ -20,7 +20,7 @@ pub(super) enum Event {
     Started,
     /// The NMT state has changed.
     Entered { before: Phase },
-    /// An object was written with this number, by SDO or PDO.
+    /// An SDO or PDO has written an object; the number is its new value.
     Written(Multiplexer, u64),
     /// Values of objects may have changed.
     Changed,

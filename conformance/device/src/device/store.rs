@@ -34,7 +34,7 @@ impl Groups {
         Self(self.0 | other.0)
     }
 
-    /// These groups except those in `other`.
+    /// The groups of this set that are not in `other`.
     pub const fn without(self, other: Self) -> Self {
         Self(self.0 & !other.0)
     }

@@ -1,5 +1,5 @@
-//! Storing: the commands of 1010h and 1011h, objects that are stored when they are written, and 1020h, whose date every
-//! other change erases.
+//! Storing: the commands of 1010h and 1011h, objects that are stored when they are written, and 1020h. Every other
+//! change of the configuration erases the date in 1020h.
 
 use super::context::Context;
 use super::lss_slave::UNCONFIGURED;

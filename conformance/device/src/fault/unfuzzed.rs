@@ -70,8 +70,8 @@ pub enum Unfuzzed {
     /// concerns SYNC start value, window and counter of TPDOs: while one of them is used, the oracle treats the SYNC
     /// count as unknown
     SyncCount,
-    /// concerns the answer to a remote frame for a PDO that does not allow it, or the time of its values: the
-    /// oracle follows an answer without forbidding it, and does not judge the content of PDOs
+    /// concerns the answer to a remote frame for a PDO that does not allow remote frames, or the time at which the PDO
+    /// takes its values: the oracle follows an answer without forbidding it, and does not judge the content of PDOs
     RemoteFrame,
     /// is found as well, but in some runs only by nine or ten frames: the fuzzer claims faults that it shows with eight
     /// frames at most
@@ -113,7 +113,7 @@ pub enum Unfuzzed {
     SyncConsumerBit,
     /// concerns the content of a TPDO, which the oracle does not judge
     TpdoContent,
-    /// is a remote frame for a synchronous TPDO, whose answer CiA 301 does not demand
+    /// concerns a remote frame for a synchronous TPDO, to which CiA 301 demands no answer
     RemoteSynchronous,
     /// is in the device description, not in the device: the cases of CiA 306 read it
     InDescription,
@@ -123,7 +123,7 @@ pub enum Unfuzzed {
     SyncCanId,
     /// shows at the start of a device without node-ID, whose time the oracle leaves open
     UnconfiguredStart,
-    /// concerns 1020h, which other writes change
+    /// concerns 1020h, which a write to another object changes
     ConfigurationDate,
     /// shows only if another device answers: a simulated device is alone on its bus
     AnotherDevice,

@@ -16,7 +16,7 @@ mod devices {
 }
 use devices::*;
 
-/// A behaviour that the standard leaves free. Each liberty is a switch of its own; they can be combined.
+/// A behaviour that the standard leaves free. Each liberty is a separate switch; liberties can be combined.
 #[derive(Catalogue, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Liberty {
     // SDO

@@ -53,7 +53,7 @@ struct DeviationRow {
     expected: String,
     device: String,
     source: String,
-    /// The subject of the breaches that name none.
+    /// The subject of the breaches of this row that name no subject.
     #[serde(default, deserialize_with = "parsed_or_none")]
     object: Option<Subject>,
     #[serde(default)]

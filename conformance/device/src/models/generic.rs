@@ -1,4 +1,4 @@
-//! A model from a device description alone: CiA 301 decides what the description leaves open.
+//! A model from a device description alone: where the description says nothing, the model follows CiA 301.
 
 use super::profile;
 use super::sheet::Sheet;

@@ -30,8 +30,8 @@ use canvass_analyzer::{Multiplexer, NodeId};
 use deviations::DeviationTables;
 use std::sync::{Arc, LazyLock};
 
-/// Hands the names and ids of the built-in models to a macro: `each_model!(row)` is `row! { name = "id", … }`. A model is a
-/// line here, and its EDS and sheet in `models`; tests have one function for each line.
+/// Hands the names and ids of the built-in models to a macro: `each_model!(row)` is `row! { name = "id", … }`. A model
+/// is a line here, and its EDS and sheet in `models`; tests have one function for each line.
 #[macro_export]
 macro_rules! each_model {
     ($row:ident) => {

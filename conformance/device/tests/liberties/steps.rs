@@ -6,7 +6,8 @@ use canvass_device::models::Model;
 use canvass_device::{Device, Firmware};
 use canvass_traces::{CanId, Direction, Duration, Frame};
 
-/// Does these steps with a device of this firmware as delivered; returns the result of the last step.
+/// Does these steps with a device of this firmware as delivered; returns the result of the last step. The steps, each
+/// with its result:
 ///
 /// - `60A#40001000` sends a frame: the frames of the next 50 ms;
 /// - `600` waits 600 ms: the frames of this time;

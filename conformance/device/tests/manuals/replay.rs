@@ -5,15 +5,15 @@
 //! device answers differently, the script also gives its answer and the reason:
 //!
 //! ```text
-//! @ SECTION; CAN-ID; BYTES[ #N]    the row (the N-th of these bytes); what follows concerns it
+//! @ SECTION; CAN-ID; BYTES[ #N]    the row (the N-th with these bytes) of the following lines
 //!     device MODEL NODE            a new device, after its start
 //!     shaft STEPS                  the position at which the shaft rests
 //!     send CAN-ID BYTES            a frame that the manual does not print
 //!     wait MILLISECONDS
 //!     power                        off and on
-//!     error CODE                   that error of the hardware comes
-//!     answers BYTES; REASON        the device answers this instead
-//!     skip REASON                  the device can't send or be sent this
+//!     error CODE                   an error of the hardware with this code occurs
+//!     answers BYTES; REASON        the device answers these bytes instead of the printed ones
+//!     skip REASON                  the device can't send, or can't receive, the frame of the row
 //! ```
 
 use crate::bench::{Bench, parse};

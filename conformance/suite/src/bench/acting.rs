@@ -48,7 +48,7 @@ impl Bench<'_> {
             self.allowed(Touch::Preset, is_time_to, at)?;
         }
         if self.stores_at_once(at) {
-            // The value that is put back was written with the user's leave.
+            // The bench puts back a value only if a case has written the object with the user's permission.
             self.allowed(Touch::Nvm, true, at)
                 .or_else(|stop| if self.traffic.restoring { Ok(()) } else { Err(stop) })?;
             self.changes.note_memory_written()?;
@@ -113,7 +113,7 @@ mod tests {
         assert!(!sent(&[Touch::Preset], true));
     }
 
-    /// A read of the object needs no leave, nor does a write to another node's object.
+    /// A read of the object needs no permission, nor does a write to another node's object.
     #[test]
     fn what_only_looks_like_a_preset_is_sent() {
         with_options(table(&[]), &Options::default(), |bench| {

@@ -20,7 +20,7 @@ impl Bench<'_> {
         let Ok(response) = Response::read(frame.data()) else { return };
         if let (Some(asked), Response::Abort(abort)) = (asked, response)
             && abort.multiplexer != asked
-            // The time-out of an earlier transfer may cross with the request.
+            // The server may abort an earlier transfer after its timeout while the request is on its way.
             && abort.code != AbortCode::TIMEOUT
         {
             self.record_wrong_object(asked, abort.multiplexer, frame);
@@ -85,8 +85,7 @@ fn untidy(response: &Response, frame: &Frame) -> Option<Breach> {
     Some(breach.expected(Bytes(clean.data()).to_string()).told(Bytes(frame.data()).to_string()))
 }
 
-/// Number of bytes of an answer that the standard fixes. Of bytes without data the standard says only that they hold no
-/// data.
+/// Number of bytes of an answer that the standard defines. Of the bytes after them it says only that they hold no data.
 fn carried(response: &Response) -> usize {
     match response {
         Response::UploadSegment(segment) => 1 + segment.data().len(),
@@ -157,7 +156,8 @@ mod tests {
         }
     }
 
-    /// An answer is judged in its own case, not in the next, and not while the tester finds out what the device has.
+    /// An answer is judged in the case that got it, not in the next case, and not while the tester finds out the
+    /// features of the device.
     #[test]
     fn answers_are_judged_in_their_case() {
         const UNTIDY: &str = "5BF#8100100000000206";

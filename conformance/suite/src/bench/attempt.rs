@@ -35,8 +35,8 @@ pub struct Reply {
 }
 
 impl Attempt {
-    /// This attempt, with a circumstance in its words, such as `in the middle of a download`: an action of the case
-    /// before or meanwhile.
+    /// This attempt, with an addition to its words, such as `in the middle of a download`: an action of the case before
+    /// or during the transfer.
     #[must_use]
     pub fn under(mut self, circumstance: &str) -> Self {
         self.what = format!("{} {circumstance}", self.what);

@@ -32,13 +32,14 @@ impl fmt::Display for Harm {
         match self {
             Self::ZeroPoint(at) => write!(
                 f,
-                "its zero point was moved ({at}), and the first reset would lose one that is not stored: store it, and say so by \
-                 --zero-point-stored"
+                "its zero point was moved ({at}), and the first reset would lose a zero point that is not stored: \
+                 store it, and confirm that with --zero-point-stored"
             ),
             Self::Defaults(at) => write!(
                 f,
-                "its manual says that a reset sets {at} to its default until the next power-on, whatever is stored, and a run that \
-                 is killed could not bring it back: give it its default before"
+                "its manual says that a reset sets {at} to its default until the next power-on, even if \
+                 another value is stored: set {at} to its default before the test, as a run that is killed can't \
+                 restore it"
             ),
         }
     }
@@ -103,11 +104,12 @@ pub(crate) fn note_zero_point(bench: &mut Bench<'_>, has_operational: bool) {
     bench.changes.baseline.zero_point = bench.unjudged(Bench::look_at_zero_point).ok().flatten();
 }
 
-/// Restarts the device once, and reads the values that a start loads from its memory. `known`: its objects.
+/// Restarts the device once, and reads the values that a start loads from its memory. `known`: the objects of
+/// the device with the values in use.
 ///
 /// # Errors
-/// [`Stop::Inconclusive`] if the run was cancelled or the device does not start; [`Stop::Error`] if the journal can't be
-/// written.
+/// [`Stop::Inconclusive`] if the run was cancelled or the device does not start; [`Stop::Error`] if the journal can't
+/// be written.
 pub(crate) fn learn_memory(bench: &mut Bench<'_>, known: &[(Multiplexer, Vec<u8>)]) -> Result<(), Stop> {
     bench.unjudged(|bench| restart(bench))?;
     let mut stored = Vec::new();
@@ -170,27 +172,27 @@ pub(crate) fn settle_memory(bench: &mut Bench<'_>, touches: &[Touch]) {
         let may_store = may_store(bench);
         let may_preset = bench.options.allow.contains(&Touch::Preset)
             && touches.iter().any(|touch| matches!(touch, Touch::Preset | Touch::FactoryDefaults));
-        // The end of the run reports what is left.
+        // The end of the run reports the differences that remain.
         let _ = bench.uncancelled(|bench| put_back_memory(bench, may_store, may_preset));
     }
 }
 
-/// Whether restoring the defaults would move the zero point, so that the case needs the user's permission for the
-/// preset that puts the zero point back: the zero point is not the one as delivered, or the device does not show it.
+/// Whether restoring the defaults would lose the zero point: it is not as delivered, and either the user has not
+/// allowed presets, or a preset can't put it back from every position.
 pub(crate) fn would_lose_zero_point(bench: &Bench<'_>) -> bool {
     let moved = bench.changes.baseline.stored_zero_point.filter(|zero_point| !zero_point.is_as_delivered());
     let may_preset = bench.options.allow.contains(&Touch::Preset);
     moved.is_some_and(|zero_point| !(may_preset && zero_point.takes_position()))
 }
 
-/// Restarts the device, compares the loaded values with those before the run, and puts back what the user allows:
-/// settings by writing and storing them, the zero point by a preset at rest.
+/// Restarts the device, compares the loaded values with those before the run, and puts back the values that the
+/// user allows: settings by writing and storing them, the zero point by a preset at rest.
 pub(crate) fn put_back_memory(bench: &mut Bench<'_>, may_store: bool, may_preset: bool) -> Result<MemoryLeft, Stop> {
     bench.unjudged(|bench| {
         restart(bench)?;
         let mut left = memory_left(bench)?;
-        // Values that can't be read may have changed. Some devices use restored defaults until power-off and do not store
-        // them, which hides what a case has stored before.
+        // Values that can't be read may have changed. Some devices use restored defaults until power-off and do not
+        // store them, which hides the values that a case has stored before.
         let is_hidden = bench.traffic.watch.has_loaded() || !bench.changes.baseline.unseen.is_empty();
         if may_store && (is_hidden || !left.changes.is_empty()) {
             store_settings(bench)?;
@@ -264,7 +266,7 @@ pub(crate) fn put_back_device(
 ) -> Comparison {
     let memory = match bench.changes.baseline.stored {
         // A failure here shows in the comparison of the dictionary.
-        // Each case has put back what it stored: any remaining value was stored without a command.
+        // Each case has put back the values that it stored: any remaining value was stored without a command.
         Some(_) => {
             let may_store = may_store(bench) && (bench.stores() > 0 || !bench.changes.baseline.unseen.is_empty());
             let left = bench.uncancelled(|bench| put_back_memory(bench, may_store, false)).unwrap_or_default();
@@ -321,7 +323,7 @@ pub fn harm_of_a_reset(bench: &mut Bench<'_>, known: &[(Multiplexer, Vec<u8>)]) 
         let default = entry.and_then(|entry| entry.start_value(bench.target.node)?.encode(entry.data_type).ok());
         default.is_none_or(|default| default == value)
     };
-    // This holds even if the supply can be switched: after a killed run, `restore` can't switch it.
+    // The loss is assumed even if the supply can be switched: after a killed run, `restore` can't switch it.
     let is_lost =
         |at: Multiplexer| resets_to_defaults(bench) && at.index.0 >= 0x6000 && dictionary::is_put_back(bench, at);
     let lost = known.iter().find(|(at, value)| is_lost(*at) && !is_default(*at, value));

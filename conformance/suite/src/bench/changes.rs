@@ -18,14 +18,14 @@ pub(crate) struct Changes {
     journal: Option<Journal>,
     /// The values before the changes of the current case.
     originals: Vec<Original>,
-    /// The values, before earlier cases changed them, of objects that could not be put back.
+    /// The original values of objects that the bench could not put back after earlier cases.
     unrestored: Vec<Original>,
     /// The device before the run.
     pub(super) baseline: Baseline,
-    /// The tester is putting a zero point back. Only then, and in cases that may move a zero point, the tester writes
-    /// an object that moves a zero point.
+    /// Whether the tester is putting a zero point back. Only then, and in cases that may move a zero point, the tester
+    /// writes an object that moves a zero point.
     pub(super) moving_zero_point: bool,
-    /// The case wrote an object that is stored as soon as it is written.
+    /// Whether the case wrote an object that is stored as soon as it is written.
     pub(super) wrote_memory: bool,
 }
 
@@ -54,8 +54,8 @@ impl Changes {
         Ok(())
     }
 
-    /// Takes the values that are to be put back now. If an earlier case left an object changed, this is its value
-    /// before that case.
+    /// Takes the values to put back now. If an earlier case left an object changed, its value is the one before that
+    /// case.
     pub(super) fn take(&mut self) -> Vec<Original> {
         let mut originals = std::mem::take(&mut self.unrestored);
         for change in std::mem::take(&mut self.originals) {

@@ -1,4 +1,4 @@
-//! The decoded text of evidence. The analyzer writes it and sees the whole run.
+//! The decoded text of evidence. The analyzer writes the text; it gets all frames of the run.
 
 use super::{Annotate, Target};
 use canvass_analyzer::Meaning;

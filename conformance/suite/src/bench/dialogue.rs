@@ -1,5 +1,5 @@
 //! Requirements on the whole dialogue with the SDO server in a case, its preparation included: each response belongs to
-//! the request before it, and a server that serves leaves no request unanswered.
+//! the request before it, and a server that has to serve SDO leaves no request unanswered.
 
 use super::Bench;
 use crate::verdict::{Breach, Judged};
@@ -19,9 +19,9 @@ impl Bench<'_> {
     /// The errors of [`Bench::check`].
     pub fn expect_dialogue(&mut self) -> Judged {
         let evidence = self.evidence();
-        // Between the two parts of long evidence requests are missing.
+        // Long evidence keeps only its first and last frames: requests are missing in the gap.
         let gap = (evidence.omitted() > 0).then(|| evidence.gap());
-        // The times of frames differ a little from those between which the tester has waited.
+        // The times of the frames differ a little from the times between which the tester waited.
         let patience = Duration::from_nanos(self.timing().sdo_response.nanos() / 10 * 9);
         let mut dialogue = Dialogue::new(self.node(), patience);
         for (place, exhibit) in evidence.frames().enumerate() {
@@ -34,7 +34,7 @@ impl Bench<'_> {
     }
 }
 
-/// Whose turn it is.
+/// The side that sends the next message of the dialogue.
 #[derive(Clone, Copy, Debug)]
 enum Turn {
     /// The tester does not know, or a transfer is under way whose messages name no object.
@@ -53,14 +53,14 @@ struct Asked {
     phase: Phase,
 }
 
-/// What the device has to serve.
+/// The state of the device at a request, as far as it decides whether the device has to answer.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 enum Phase {
-    /// It may be in any state.
+    /// The device may be in any state.
     Unknown,
-    /// It has started, and got no command since.
+    /// The device has started, and got no command since.
     Started,
-    /// It was commanded to a state in which it serves SDO.
+    /// The device was commanded to a state in which it serves SDO.
     Serving,
 }
 
@@ -208,7 +208,8 @@ mod tests {
     use crate::scripted::{NODE, frame};
     use canvass_traces::ChannelId;
 
-    /// What is found in these frames: milliseconds, and the frame after `>` if the tester sends it, after `<` otherwise.
+    /// The breach in a dialogue of these frames. Each frame has its time in milliseconds; `>` marks a frame of the
+    /// tester.
     fn found(frames: &[(u64, &str)]) -> Option<String> {
         let mut dialogue = Dialogue::new(NodeId::new(NODE).unwrap(), Duration::from_millis(1_000));
         for (at, text) in frames {
@@ -245,7 +246,7 @@ mod tests {
         assert_eq!(found(&[(0, ASKED), (1, "<5BE#4300110000000000"), (2, ANSWERED)]), None, "another server");
     }
 
-    /// An answer that comes after the tester has given up belongs to the request before.
+    /// A late answer belongs to the request that the tester has given up.
     #[test]
     fn a_late_answer_is_no_other_answer() {
         let (other, third) = (">63F#4001100000000000", ">63F#4018100000000000");
@@ -257,8 +258,8 @@ mod tests {
         assert_eq!(found(&[(0, ASKED), (1_000, other), (1_100, "<5BF#4F01100000000000"), (1_500, ANSWERED)]), None);
     }
 
-    /// A server that serves in this state owes an answer: after a command to a state with SDO, or if it has answered after
-    /// another start.
+    /// A server owes an answer after a command to a state that serves SDO, and after a start without a command if it
+    /// has answered after another such start.
     #[test]
     fn silence_is_judged_where_the_device_serves() {
         let (boot_up, reset, preoperational) = ("<73F#00", ">000#813F", ">000#803F");

@@ -136,7 +136,7 @@ fn compared(
 ) -> Comparison {
     changes.extend(restore::left_behind(bench, &changes));
     changes.sort_by_key(|change| change.multiplexer);
-    // A device that has gone meanwhile has not lost all its objects.
+    // If the device has left the bus meanwhile, its objects have not disappeared.
     let is_complete = matches!(bench.answers(), Ok(true));
     let appeared = changes.iter().filter(|change| change.before.is_none()).count();
     let commands = restore::commands(bench, bus, before, &changes, &[]);
@@ -202,8 +202,8 @@ pub(super) fn see_whether_it_moves(bench: &mut Bench<'_>, change: &mut Change) {
     }
 }
 
-/// Whether the device answers, though it may be starting again: after an interrupted reset comes another, and the
-/// boot-up message of the first does not prove that the second is over.
+/// Whether the device answers, even if it is still starting: the tester repeats a reset that was interrupted, and the
+/// boot-up message of the first reset does not prove that the second start is over.
 fn answers_at_last(bench: &mut Bench<'_>) -> bool {
     (0..3).any(|_| {
         let answers = matches!(bench.answers(), Ok(true));

@@ -102,7 +102,8 @@ mod tests {
         assert_eq!((times[evidence.gap() - 1], times[evidence.gap()]), (249, 750));
     }
 
-    /// The time when the tester last sent with a CAN-ID is found, even long ago; frames of others do not count.
+    /// The time of the tester's latest frame with a CAN-ID is found, however old the frame is; frames of others do not
+    /// count.
     #[test]
     fn the_latest_own_frame_is_found() {
         let mut evidence = Evidence::default();

@@ -137,7 +137,7 @@ mod tests {
         assert_eq!(foreign.frames.len(), 4_096);
     }
 
-    /// The bytes distinguish writes from reads, and commands to other nodes from commands to this one.
+    /// The bytes distinguish writes from reads, and commands to the device from commands to other nodes.
     #[test]
     fn messages_are_counted_by_their_kind() {
         let mut foreign = Foreign::default();

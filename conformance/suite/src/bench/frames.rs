@@ -8,8 +8,8 @@ impl Bench<'_> {
     /// Sends a frame unchanged, even if it is wrong.
     ///
     /// # Errors
-    /// [`Stop::Error`] if the bus does not take it, [`Stop::Inconclusive`] if the run was cancelled, [`Stop::NotApplicable`] if
-    /// it would move a zero point or write the memory, and the user has not allowed that.
+    /// [`Stop::Error`] if the bus does not take it, [`Stop::Inconclusive`] if the run was cancelled,
+    /// [`Stop::NotApplicable`] if it would move a zero point or write the memory, and the user has not allowed that.
     pub fn send(&mut self, frame: &Frame) -> Result<Sent, Stop> {
         self.traffic.check_cancelled()?;
         self.check_leave(frame)?;

@@ -68,11 +68,12 @@ impl Bench<'_> {
         self.knowledge.kept_open.as_ref()
     }
 
-    /// Ends the transfer that the tester may have left open, and requires that the server serves a request. What was
-    /// needed beyond an abort of the client is kept for the report of the run.
+    /// Ends the transfer that the tester may have left open, and requires that the server serves a request. If an abort
+    /// of the client was not enough, the bench keeps the transfer and the action that helped, for the report of the
+    /// run.
     pub(crate) fn make_server_idle(&mut self) {
         let Some(object) = self.traffic.transfer.suspect().filter(|_| !self.knowledge.has_gone()) else { return };
-        // Without the bus nothing can be ended; the next case reports that. When the run ends, the device is reset anyway.
+        // If the bus fails, the next case reports the failure. If the run ends, the device is reset anyway.
         let Ok(Some(cure)) = self.uncancelled(|bench| bench.unjudged(|bench| bench.end_transfer(object))) else {
             return;
         };
@@ -83,7 +84,7 @@ impl Bench<'_> {
         }
     }
 
-    /// Ends the transfer; `None` if the run ends before that: what takes seconds is not tried then.
+    /// Ends the transfer; `None` if the run ends first: the tester then does not try the actions that take seconds.
     fn end_transfer(&mut self, object: Multiplexer) -> Result<Option<Cure>, Stop> {
         if self.aborts(object)? {
             return Ok(Some(Cure::Abort));

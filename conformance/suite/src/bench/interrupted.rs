@@ -59,8 +59,8 @@ fn put_back_all(bench: &mut Bench<'_>, run: &Interrupted, rescue: Option<Rescue>
     Some(baseline::with_memory(bench, comparison, &run.bus, &run.values, memory))
 }
 
-/// The presets that the interrupted case may have written and that only power-on shows: they are named, as nobody can
-/// read or write them without moving the zero point.
+/// The presets that the interrupted case may have written and that only power-on shows. The report names them, because
+/// nobody can read or write them without moving the zero point.
 pub(crate) fn unseen_presets(bench: &mut Bench<'_>, run: &Interrupted) -> Vec<Change> {
     let is_hidden = |at: Multiplexer| {
         bench.acting(at) == Some(Acting::MovesZeroPoint) && bench.stores_at_once(at) && baseline::is_unseen(bench, at)
@@ -69,8 +69,8 @@ pub(crate) fn unseen_presets(bench: &mut Bench<'_>, run: &Interrupted) -> Vec<Ch
     hidden.map(|(at, value)| dictionary::change(bench, *at, Some(value.clone()), None)).collect()
 }
 
-/// Undoes the stores of the interrupted case: stores the values that a start loaded before the run. If the journal does
-/// not hold them, it stores the values that were in use.
+/// Undoes the stores of the interrupted case: stores the values that a start loaded before the run. If the journal
+/// lacks these values, the values that were in use are stored.
 fn put_back_memory_of(bench: &mut Bench<'_>, run: &Interrupted) -> Result<MemoryLeft, Stop> {
     if run.memory.is_empty() && !run.stored {
         return Ok(MemoryLeft::default());

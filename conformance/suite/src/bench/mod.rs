@@ -190,12 +190,13 @@ impl<'a> Bench<'a> {
         self.traffic.bit_rate()
     }
 
-    /// Time by which a frame may be late, or the next frame early after it, only because of the bus.
+    /// Time by which the bus alone may delay a frame, or shorten the interval to the next frame.
     pub(crate) fn bus_delay(&self) -> Duration {
         self.traffic.bus_delay()
     }
 
-    /// The longest delay of the tester's machine so far, up to the bound above which it excuses the device altogether.
+    /// The longest delay of the tester's machine so far, but at most [`HOST_LATE`]: a longer delay excuses the device
+    /// altogether.
     pub(crate) fn host_delay(&self) -> Duration {
         self.traffic.host_delay()
     }
@@ -221,11 +222,11 @@ impl<'a> Bench<'a> {
         self.traffic.is_cancelled()
     }
 
-    /// Records the breach of a check, and lets the case continue.
+    /// Records the breach of a check, and lets the case continue. If the rest of a case can't be judged after a breach,
+    /// the case returns the breach with `?` instead.
     ///
     /// # Errors
-    /// Only errors of later waits. If the rest of the case can't be judged after a breach, the case returns it with `?`
-    /// instead.
+    /// None. The type of the result lets a case end with this call.
     pub fn check(&mut self, check: Check) -> Judged {
         if let Err(breach) = check {
             self.record(*breach);

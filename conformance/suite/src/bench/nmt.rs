@@ -118,8 +118,8 @@ impl Bench<'_> {
         Ok(())
     }
 
-    /// Whether the device starts: it sends its boot-up message, or, if it is known to send no boot-up message, answers
-    /// again. Otherwise each reset of such a device would take the longest time of a start.
+    /// Whether the device has started, as its boot-up message shows. A device that is known to send none has started
+    /// when it answers again: waiting for the message would take the longest time of a start at each reset.
     fn has_started(&mut self) -> Result<bool, Stop> {
         if !self.knowledge.starts_silently {
             return Ok(self.wait_for_boot_up()?.is_some());
@@ -218,7 +218,7 @@ impl Bench<'_> {
     /// by itself.
     ///
     /// # Errors
-    /// [`Stop::Inconclusive`] if the device does not get there.
+    /// [`Stop::Inconclusive`] if the device does not reach this state.
     pub fn prepare(&mut self) -> Result<(), Stop> {
         self.reset(Command::RESET_NODE)?;
         if self.unjudged(Self::starts_by_itself)? {

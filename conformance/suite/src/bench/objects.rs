@@ -69,7 +69,8 @@ const CANDIDATES: [Candidate; 7] = [
 /// The data types of texts.
 const TEXTS: [DataType; 3] = [DataType::VISIBLE_STRING, DataType::OCTET_STRING, DataType::UNICODE_STRING];
 
-/// Candidates if the device has none of the others: no PDO is sent before the device is operational.
+/// Candidates if the device has none of the others. They have no effect, because no PDO is sent before the device is
+/// operational.
 const LAST_CANDIDATES: [Candidate; 2] = [
     candidate(object::TPDO_COMMUNICATION_PARAMETER, 2, DataType::UNSIGNED8, [1, 2]),
     candidate(object::TPDO_COMMUNICATION_PARAMETER, 3, DataType::UNSIGNED16, [0, 100]),
@@ -94,7 +95,7 @@ impl Bench<'_> {
             }
         }
         // An object that the device refuses to write despite its description must not decide a case about something
-        // else. If the device refuses all, the cases judge that.
+        // else. If the device refuses all objects, the cases judge the refusals.
         let mut willing = Vec::new();
         for scratch in &found {
             if self.takes_its_own(scratch)? {

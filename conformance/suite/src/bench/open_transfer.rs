@@ -87,7 +87,7 @@ impl OpenTransfer {
                 | Response::InitiateBlockUpload { .. },
             ) => self.has_begun(),
             // A refused request begins nothing, but may leave the transfer before it open. Only a served request shows
-            // that the server has ended that one.
+            // that the server has ended the earlier transfer.
             Ok(Response::Abort(_)) => self.asked = None,
             _ => {}
         }
@@ -108,7 +108,8 @@ mod tests {
     use super::*;
     use crate::scripted::frame;
 
-    /// The suspect after these frames of tester (600h) and server (580h).
+    /// The object of the transfer that may be open after these frames of the tester (600h + node-ID) and the server
+    /// (580h + node-ID).
     fn suspect(frames: &[&str]) -> Option<Multiplexer> {
         let mut transfer = OpenTransfer::new(NodeId::new(63).unwrap());
         for text in frames {

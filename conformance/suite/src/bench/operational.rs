@@ -13,7 +13,8 @@ const ERROR_REGISTER: Multiplexer = Multiplexer::new(object::ERROR_REGISTER, 0);
 
 /// A device that does not become operational.
 pub(crate) enum KeptOut {
-    /// The device was operational earlier in this run: the last case, or a case shortly before it, has ended that.
+    /// The device was operational earlier in this run, but since the last case, or a case shortly before it, it no
+    /// longer can be.
     Newly(Breach),
     /// The device was never operational as far as is known, or an earlier case has reported that it no longer can be.
     Known(Reason),

@@ -199,7 +199,7 @@ impl Bench<'_> {
         let steps = [off, (pdo.entry(0), vec![0])].into_iter().chain(entries).chain([(pdo.entry(0), vec![count]), on]);
         for (multiplexer, value) in steps {
             self.download(multiplexer, &value)?.expect_confirmation()?;
-            // Some devices use the COB-ID that was last read.
+            // Only the count is read back: some devices use the COB-ID that was last read.
             if multiplexer == pdo.entry(0) {
                 self.expect_effect(multiplexer, &value)?;
             }

@@ -1,5 +1,5 @@
-//! The nodes on the bus: whether the device is still there, since a device that was switched off fails no case, and
-//! which other nodes there are.
+//! The nodes on the bus: whether the device under test is still there, and which other nodes there are. A device that
+//! was switched off fails no case.
 
 use super::{Bench, Met};
 use crate::touch::Touch;
@@ -85,8 +85,8 @@ impl Bench<'_> {
         }
     }
 
-    /// Looks for other nodes, once in a run: nodes without heartbeats are found by their SDO servers. Reading changes
-    /// nothing in them.
+    /// Looks for other nodes, once in a run: nodes without heartbeats are found by the answers of their SDO servers.
+    /// Reading changes nothing in them.
     ///
     /// # Errors
     /// The errors of [`Bench::wait_for`].
@@ -97,7 +97,7 @@ impl Bench<'_> {
         let request = Request::upload(Multiplexer::new(object::DEVICE_TYPE, 0));
         let own = self.node();
         let others: Vec<NodeId> = NodeId::all().filter(|node| *node != own).collect();
-        // The queues of interfaces hold this many frames.
+        // The transmit queue of an interface holds at least eight frames.
         let mut answering = Vec::new();
         for some in others.chunks(8) {
             for node in some {
@@ -128,8 +128,8 @@ impl Bench<'_> {
         NodeId::new(node).is_some_and(|node| !self.traffic.watch.others().contains(&node))
     }
 
-    /// Looks for a device that has left. If the user has given a command that switches the device off and on, it runs
-    /// first.
+    /// Looks for a device that has left. If the user has given a command that switches the device off and on, that
+    /// command runs first.
     ///
     /// # Errors
     /// [`Stop::Inconclusive`] if the device is still away.

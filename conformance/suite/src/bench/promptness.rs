@@ -41,7 +41,7 @@ impl Promptness {
         self.late += u32::from(self.usual.is_some_and(|usual| took.0 >= usual.0 + HOST_LATE.0));
     }
 
-    /// A case begins.
+    /// Begins a case: forgets the longest time of the last case.
     pub fn begin(&mut self) {
         self.longest = Duration::ZERO;
     }
@@ -62,7 +62,7 @@ impl Promptness {
         self.beyond_usual(self.longest)
     }
 
-    /// Zero if the response times vary by nature.
+    /// The part of `longest` beyond the usual time; zero if the response times vary by nature.
     fn beyond_usual(self, longest: Duration) -> Duration {
         if self.varies() { Duration::ZERO } else { Duration(longest.0.saturating_sub(self.usual().0)) }
     }

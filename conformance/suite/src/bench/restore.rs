@@ -1,4 +1,4 @@
-//! The device is left as it was found.
+//! Leaves the device as it was found.
 
 use super::rewrite::{Original, companions, is_cob_id, writes};
 use super::{Bench, dictionary, rewrite};

@@ -9,7 +9,7 @@ use canvass_analyzer::{CobId, Multiplexer};
 use canvass_bus::client::Outcome;
 use canvass_bus::client::sdo::Mode;
 
-/// An object with the value that it shall have again.
+/// An object, with the value to put back.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub(crate) struct Original {
     pub multiplexer: Multiplexer,
@@ -25,7 +25,8 @@ impl From<&(Multiplexer, Vec<u8>)> for Original {
 /// A write, with its place in the order.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Debug)]
 struct RewriteStep {
-    /// Objects of one communication object are written together: their group is the index of its COB-ID.
+    /// The index of the COB-ID of the object's communication object: objects of one communication object are written
+    /// together.
     group: u16,
     order: Order,
     multiplexer: Multiplexer,
@@ -48,7 +49,7 @@ enum Order {
     CobId,
 }
 
-/// EMCY: COB-ID; SYNC: COB-ID, period; TIME: COB-ID.
+/// The objects of EMCY (COB-ID and inhibit time), of SYNC (COB-ID, period and counter overflow) and of TIME (COB-ID).
 const EMCY_ID: u16 = object::COB_ID_EMCY;
 const EMCY_INHIBIT: u16 = object::INHIBIT_TIME_EMCY;
 const SYNC_ID: u16 = object::COB_ID_SYNC;

@@ -129,9 +129,9 @@ impl Bench<'_> {
         self.download_as(at, value, Mode::Shortest).map(|_| ())
     }
 
-    /// Checks that a write had an effect: the consequences of a write prove nothing about a device that confirms it and
-    /// does nothing. The bench checks this once per object in a run, when the object first gets a value other than the
-    /// one before the case.
+    /// Checks that a write had an effect. If a device confirms writes and ignores them, a case that judges the
+    /// consequences of a write proves nothing. The bench checks this once per object in a run, when the object first
+    /// gets a value other than the one before the case.
     ///
     /// # Errors
     /// [`Stop::Inconclusive`] if the object still has its earlier value.
@@ -170,7 +170,7 @@ impl Bench<'_> {
 
     fn exchange_within(&mut self, request: &Request, what: String, span: Duration) -> Result<Reply, Stop> {
         self.drain()?;
-        // The first message of a dialogue names an object, so only it waits for a quiet moment.
+        // The first message of a dialogue names an object, and waits until there is time for the whole dialogue.
         if request.multiplexer().is_some() {
             self.traffic.wait_for_time(self.knowledge.slowest_answer)?;
         } else {

@@ -205,7 +205,8 @@ impl Bench<'_> {
         self.require_state(state)
     }
 
-    /// Requires that the device is in this state, `after` something. Allows the device its reaction time.
+    /// Requires that the device is in this state; `after` names the event that came before. Allows the device its
+    /// reaction time.
     ///
     /// # Errors
     /// Only the errors of the waits. Another state, or none, is recorded as a breach.

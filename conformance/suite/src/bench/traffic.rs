@@ -102,9 +102,9 @@ impl<'a> Traffic<'a> {
         self.bus.bit_rate()
     }
 
-    /// Time by which a frame may be late, or the next frame early after it, only because of the bus: the longest frame
-    /// may occupy the wire when the frame is due, and then the frame itself occupies the wire. If the bit rate is
-    /// unknown, it is assumed to be 125 kbit/s.
+    /// Time by which the bus alone may delay a frame, or shorten the interval to the next frame: the longest frame may
+    /// occupy the wire when the frame is due, and then the frame itself occupies the wire. If the bit rate is unknown,
+    /// it is assumed to be 125 kbit/s.
     pub(crate) fn bus_delay(&self) -> Duration {
         /// A 29-bit frame of eight bytes with all its stuff bits, and the intermission.
         const LONGEST: u64 = 160;
@@ -113,8 +113,8 @@ impl<'a> Traffic<'a> {
         Duration::from_nanos(2 * LONGEST * 1_000_000_000 / bit_rate)
     }
 
-    /// The longest delay of the tester's machine so far, in receiving or sending. A delay above the bound excuses the
-    /// device altogether.
+    /// The longest delay of the tester's machine so far, in receiving or sending, but at most [`HOST_LATE`]: a longer
+    /// delay excuses the device altogether.
     pub(crate) fn host_delay(&self) -> Duration {
         self.health().latest().unwrap_or_default().min(HOST_LATE)
     }

@@ -37,7 +37,7 @@ pub struct Watch {
     awaiting_boot_up: bool,
     last_boot_up: Option<Timestamp>,
     restarted: Option<Timestamp>,
-    /// The first boot-up within [`SAME_START`] of another, if a frame was sent to the device in between.
+    /// The first boot-up message within [`SAME_START`] after another, if a frame was sent to the device between them.
     second_boot_up: Option<Timestamp>,
     /// Whether the tester has sent a frame since the last boot-up.
     sent_since: bool,

@@ -12,7 +12,7 @@ use canvass_traces::{Direction, Duration, Record};
 
 /// A dialect of layer setting, and the words for its responses in reports.
 pub trait Observed: Dialect {
-    /// The service of its breaches.
+    /// The service that breaches of this dialect name.
     const SERVICE: Service;
     /// The name of a response that the standard does not define.
     const UNKNOWN: &'static str;
@@ -109,7 +109,7 @@ pub fn expect_dialogue<D: Observed>(bench: &mut Bench<'_>) -> Judged {
         return Ok(());
     }
     let evidence = bench.evidence();
-    // Between the two parts of long evidence requests are missing.
+    // Long evidence keeps only its first and last frames: requests are missing in the gap.
     let gap = (evidence.omitted() > 0).then(|| evidence.gap());
     let records: Vec<&Record> = evidence.frames().map(|exhibit| &exhibit.record).collect();
     let parts = records.split_at_checked(gap.unwrap_or(records.len()));
@@ -141,8 +141,8 @@ fn wrong_response<D: Observed>(records: &[&Record]) -> Option<Breach> {
     None
 }
 
-/// Judges a response after these unanswered requests. It answers the oldest that it fits; those before that one get no
-/// response any more.
+/// Judges a response to one of these unanswered requests. The response answers the oldest request that it fits; earlier
+/// requests get no response any more.
 fn judged<D: Observed>(open: &mut Vec<Request<D>>, record: &Record) -> Option<Breach> {
     let breach = |duty: String| {
         let breach = Breach::new(D::SERVICE, duty).found(Observation::Frame(record.frame));
@@ -173,7 +173,7 @@ mod tests {
     use canvass_analyzer::wire::lss::Lss;
     use canvass_traces::{ChannelId, Timestamp};
 
-    /// What is found in these frames; the tester sends those after `>`.
+    /// The breach in these frames; `>` marks a frame of the tester.
     fn found(frames: &[&str]) -> Option<String> {
         let records = frames.iter().map(|text| {
             let direction = if text.starts_with('>') { Direction::Tx } else { Direction::Rx };

@@ -42,7 +42,7 @@ pub enum RunError {
         waited: Duration,
     },
     /// The first reset would lose a value that no case puts back.
-    #[error("node {node} is not tested, and nothing was sent to it but reads: {harm}")]
+    #[error("node {node} is not tested, and the tester only read from it: {harm}")]
     WouldHarm {
         /// The node-ID.
         node: NodeId,
@@ -57,7 +57,7 @@ pub enum RunError {
         /// The messages of the others.
         messages: Vec<ForeignMessages>,
     },
-    /// The journal could not be written, without which nothing may be changed.
+    /// The journal could not be written. Without a journal the tester may change nothing.
     #[error("the journal of the run can't be written: {0}")]
     Journal(String),
     /// The bus failed before the first case.
@@ -86,8 +86,8 @@ pub struct Plan<'a> {
 /// Runs the cases of a plan. `report` gets every event.
 ///
 /// # Errors
-/// [`RunError`] if nothing was learned about the device. If cases were selected and the device was reached, the events
-/// are complete all the same.
+/// [`RunError`] if nothing was learned about the device. If cases were selected and the device was reached, `report`
+/// gets all events even then.
 pub fn run(bench: &mut Bench<'_>, plan: &Plan<'_>, report: &mut dyn FnMut(&RunEvent<'_>)) -> Result<Summary, RunError> {
     if plan.cases.is_empty() {
         return Err(RunError::NothingToRun { reason: "none was selected".to_owned() });

@@ -10,7 +10,7 @@ use canvass_traces::Duration;
 /// Maximum number of repetitions of a case that others disturbed.
 const REPETITIONS: usize = 3;
 
-/// Number of repetitions in which a failure that lateness can cause has to come again.
+/// Number of repetitions of a failed case if the failure may come from a late device.
 const CONFIRMATIONS: u32 = 2;
 
 /// Runs a case as often as the options require.
@@ -90,8 +90,8 @@ fn confirmed(bench: &mut Bench<'_>, case: &'static Case, mut failed: CaseReport,
     failed
 }
 
-/// Whether a repetition passed, or was kept from a verdict by the device's lateness alone. A repetition that could not
-/// begin, perhaps because of what the failure has left behind, is no reason to doubt the failure.
+/// Whether a repetition passed, or is inconclusive only because the device was late. A repetition that could not begin
+/// is no reason to doubt the failure: the failure itself may prevent it.
 fn has_not_come_again(verdict: &Verdict) -> bool {
     match verdict.kind() {
         Kind::Pass | Kind::Tolerated | Kind::Deviation => true,
@@ -100,7 +100,8 @@ fn has_not_come_again(verdict: &Verdict) -> bool {
     }
 }
 
-/// Runs a case, and repeats it if a temporary disturbance prevented a verdict. A case that wears out memory is not repeated.
+/// Runs a case, and repeats it if a temporary disturbance prevented a verdict. A case that wears out memory is not
+/// repeated.
 fn run_quietly(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
     let mut report = run_case(bench, case);
     for _ in 0..REPETITIONS {

@@ -31,8 +31,8 @@ pub struct Sparing {
     pub combined: Vec<LibertyRow>,
     /// Number of pairs of a fault and a combination of liberties.
     pub tried: usize,
-    /// Number of these pairs in which the fault showed: to a case that names it, by another frame, time or description
-    /// than without the fault.
+    /// Number of these pairs in which the fault showed: a case that names the fault saw another frame, time or
+    /// description than without the fault.
     pub looked_for: usize,
     /// Faults that showed together with these liberties but were not found.
     pub missed: Vec<(Fault, Liberties)>,

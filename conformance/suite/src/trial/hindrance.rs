@@ -59,12 +59,12 @@ fn excuse(breach: &Breach, health: &Health, overload: Option<&str>) -> Option<Re
     let late = health.latest().unwrap_or_default();
     if is_made_by_lateness(breach, health, late) {
         let actual = format!("up to {late} between the tester and the bus");
-        return Some(Reason::new(KEEPS_UP, "a few milliseconds", actual));
+        return Some(Reason::new(KEEPS_UP, "a delay of a few milliseconds", actual));
     }
     let trouble = health.stamps.filter(|_| breach.is_of_a_time())?;
     Some(Reason::new(
         "the adapter's time stamps say when a frame was on the bus",
-        "right ones",
+        "correct time stamps",
         format!("they {trouble}"),
     ))
 }

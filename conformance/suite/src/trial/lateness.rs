@@ -49,8 +49,9 @@ pub(super) fn judge(mut trial: Trial, bench: &mut Bench<'_>) -> Trial {
     trial
 }
 
-/// The reason why a failure has to come again: lateness can cause each of its breaches, and the device was late as a whole at
-/// some time in the run. A device that sometimes gets no processor time may be prompt again when the bench measures it.
+/// The reason to doubt a failure until it comes again: lateness can cause each of its breaches, and the device was late
+/// as a whole at some time in the run. A device that sometimes gets no processor time may be prompt again when the
+/// bench measures it.
 pub(crate) fn doubt(report: &CaseReport, bench: &Bench<'_>) -> Option<Reason> {
     if report.verdict.kind() != Kind::Fail {
         return None;
@@ -74,6 +75,9 @@ pub(crate) fn doubt(report: &CaseReport, bench: &Bench<'_>) -> Option<Reason> {
 
 /// The lateness that could cause the breach; `None` if none could.
 fn lateness_needed(breach: &Breach, timing: &Timing) -> Option<Duration> {
+    if breach.lateness.is_some() {
+        return breach.lateness;
+    }
     if let (Allowed::Time { .. }, Observation::Time(_)) = (&breach.allowed, &breach.actual) {
         return breach.outside();
     }

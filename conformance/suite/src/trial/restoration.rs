@@ -1,4 +1,4 @@
-//! Puts the device back after a case. The run continues even if this panics.
+//! Puts the device back after a case. The run continues even if the code that does so panics.
 
 use super::Trial;
 use crate::bench::{Bench, Remains, baseline};

@@ -30,6 +30,8 @@ pub struct Breach {
     pub seen: Option<Timestamp>,
     /// Number of periods of which a time is the mean; 1 for a single period.
     pub periods: u64,
+    /// The lateness of a device without processor time that would explain the breach, if it is known.
+    pub lateness: Option<Duration>,
 }
 
 /// The severity of a breach.
@@ -96,6 +98,7 @@ impl Breach {
             grade: Grade::Wrong,
             seen: None,
             periods: 1,
+            lateness: None,
         }
     }
 
@@ -128,6 +131,12 @@ impl Breach {
     #[must_use]
     pub fn over(self, periods: u64) -> Self {
         Self { periods: periods.max(1), ..self }
+    }
+
+    /// Declares the lateness of a device without processor time that would explain the breach.
+    #[must_use]
+    pub fn explained_by(self, lateness: Duration) -> Self {
+        Self { lateness: Some(lateness), ..self }
     }
 
     /// Marks the breach as accepted by CiA's own test tool.

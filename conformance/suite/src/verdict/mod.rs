@@ -29,12 +29,12 @@ pub struct Ruled {
     pub excuse: Option<Excuse>,
 }
 
-/// An announcement that the device differs from the standard in this way.
+/// The announcement of a difference of the device from the standard. It excuses a breach that shows this difference.
 #[derive(Clone, PartialEq, Eq, Debug)]
 pub struct Excuse {
     /// The text of the documentation or the waiver, with its source.
     pub documented: String,
-    /// The authority that announces it.
+    /// The authority that announces the difference.
     pub by: Authority,
 }
 
@@ -70,11 +70,11 @@ pub struct Reason {
     pub expected: String,
     /// The actual answer, value or time.
     pub actual: String,
-    /// The kind of thing that was missing.
+    /// The condition whose lack prevented a verdict.
     pub lack: Lack,
 }
 
-/// The kind of thing that would have made a case applicable.
+/// A condition whose lack prevents a verdict.
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Debug, Default)]
 pub enum Lack {
     /// A feature of the device or the bus.
@@ -279,7 +279,7 @@ impl Reason {
         Self { duty: duty.into(), expected: expected.into(), actual: actual.into(), lack: Lack::Feature }
     }
 
-    /// Sets the kind of thing that would help.
+    /// Sets the condition whose lack prevented a verdict.
     #[must_use]
     pub fn for_lack_of(self, lack: Lack) -> Self {
         Self { lack, ..self }

@@ -15,7 +15,7 @@ pub enum Stop {
     Error(Reason),
 }
 
-/// The result of a case. The bench holds the breaches that it found on its way.
+/// The result of a case. The bench holds the breaches that the case has recorded before.
 pub type Judged = Result<(), Stop>;
 
 impl Stop {
@@ -45,7 +45,7 @@ pub fn tried(times: usize, what: &'static str) -> Judged {
     if times > 0 {
         return Ok(());
     }
-    Err(Stop::Inconclusive(Reason::new("the case tries what it is about", what, "none that the device answers so")))
+    Err(Stop::Inconclusive(Reason::new("the case makes at least one attempt", what, "none")))
 }
 
 impl From<Box<Breach>> for Stop {

@@ -118,7 +118,7 @@ impl<'a, 'b> Surveyor<'a, 'b> {
         Ok(self.survey.get(at).unwrap_or(&Answer::Silent))
     }
 
-    /// Repeats a request without an answer: a frame may be lost, or the device busy.
+    /// Requests an entry, and repeats the request if no answer comes: a frame may be lost, or the device busy.
     fn ask_again(&mut self, at: Multiplexer) -> Result<Answer, BusError> {
         let first = self.ask(at)?;
         if first != Answer::Silent {
@@ -148,8 +148,7 @@ impl<'a, 'b> Surveyor<'a, 'b> {
         })
     }
 
-    /// Checks that the device still answers, if it has not answered for some entries: reads an entry that every device
-    /// has.
+    /// Checks, after entries without an answer, that the device still answers: reads an entry that every device has.
     fn refuse_gone(&mut self, at: Multiplexer) -> Result<(), SurveyError> {
         const DEVICE_TYPE: Multiplexer = Multiplexer::new(object::DEVICE_TYPE, 0);
         if self.ask_again(DEVICE_TYPE)? != Answer::Silent {
@@ -213,7 +212,8 @@ impl<'a, 'b> Surveyor<'a, 'b> {
         for sub in 1..=LAST_SUB {
             let exists = self.read(Multiplexer { index, sub: SubIndex(sub) })?.exists() == Some(true);
             absent = if exists { 0 } else { absent + 1 };
-            // The value of an object without sub-indexes may look like a count.
+            // In an object without sub-indexes, sub-index 0 is the value, not a count: a long gap ends the loop even
+            // below the count.
             if !exists && (sub >= counted || sub >= least && absent >= MOST_ABSENT) {
                 break;
             }

@@ -85,8 +85,8 @@ impl Library {
                 reason: told(&error),
             }
         };
-        // SAFETY: PCANBasic.h declares these types for these names, with `__stdcall` where it differs from C's convention.
-        // The functions are kept together with the library.
+        // SAFETY: PCANBasic.h declares these types for these names, with `__stdcall` where it differs from C's
+        // convention. The functions are kept together with the library.
         unsafe {
             Ok(Self {
                 initialize: *loaded.get(b"CAN_Initialize").map_err(lacks("CAN_Initialize"))?,

@@ -85,8 +85,9 @@ impl Message {
         Frame::new(id, self.data.get(..usize::from(self.length))?)
     }
 
-    /// An error frame in Linux's form. From the controller's error code capture, the identifier gets the kind of error,
-    /// the first byte the direction and the second the position in the frame; two further bytes are the error counters.
+    /// This message as an error frame in Linux's form. The message holds the controller's error code capture: the
+    /// identifier is the kind of error, the first byte the direction, the second byte the position in the frame. Two
+    /// further bytes are the error counters.
     fn error_frame(&self) -> Option<Frame> {
         const COUNTERS: u32 = 0x200;
         const BUS_ERROR: u32 = 0x80;

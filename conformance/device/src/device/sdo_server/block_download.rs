@@ -26,7 +26,7 @@ pub(super) struct BlockDownload {
     received: u8,
     /// The abort code of a refused download, in a firmware that refuses only at the end.
     refusal: Option<AbortCode>,
-    /// The value that a faulty firmware writes instead.
+    /// The value that a faulty firmware writes in place of the downloaded value.
     stale: Option<Vec<u8>>,
 }
 
@@ -34,8 +34,8 @@ pub(super) struct BlockDownload {
 #[derive(Clone, Debug)]
 pub(super) struct BlockDownloadEnd(BlockDownload);
 
-/// Handles the initiate request of a block download. `size` is the number of bytes, if the client announced it; `stale`
-/// is the value that a faulty firmware writes instead.
+/// Handles the initiate request of a block download. `size` is the number of bytes, if the client announced it. `stale`
+/// is the value that a faulty firmware writes in place of the downloaded value.
 pub(super) fn initiate(
     object: Multiplexer,
     crc: bool,

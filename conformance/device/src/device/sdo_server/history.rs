@@ -18,7 +18,8 @@ pub(super) struct History {
 }
 
 impl History {
-    /// The request as a faulty firmware takes it.
+    /// The request as the firmware understands it: a faulty firmware expects the size that an earlier download
+    /// announced.
     pub fn taken(&self, request: Request, firmware: &Firmware) -> Request {
         match (request, self.announced) {
             (Request::InitiateDownload { multiplexer, payload: Payload::SegmentedUnsized }, Some(size))

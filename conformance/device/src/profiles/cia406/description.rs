@@ -21,8 +21,8 @@ pub(super) fn describe(description: &DeviceDescription, sheet: &mut Table) -> Op
     Some(measurement(description))
 }
 
-/// The physical resolution: for a rotary encoder by 6501h and 6502h. For a linear encoder (1000h) it is 6002h, as 6501h
-/// is then the length of a step.
+/// The physical resolution. 6501h and 6502h give it for a rotary encoder; 6002h gives it for a linear encoder (1000h),
+/// whose 6501h is the length of a step.
 fn measurement(description: &DeviceDescription) -> Measurement {
     let number = |index| {
         let entry = description.dictionary.entry(Multiplexer::new(index, 0)).ok()?;
@@ -97,7 +97,7 @@ mod tests {
         assert_eq!((measurement.single_turn_bits, measurement.revolutions), (13, 4096));
     }
 
-    /// Without an event timer in TPDO 1, its timer is 6200h; with an event timer, both objects are linked.
+    /// If TPDO 1 has no event timer, 6200h is its timer; if TPDO 1 has one, it is linked with 6200h.
     #[test]
     fn the_cyclic_timer_is_that_of_the_first_tpdo() {
         let of = |id: &str| {

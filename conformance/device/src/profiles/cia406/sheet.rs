@@ -47,7 +47,7 @@ pub struct Measurement {
     pub units_per_revolution_least: u32,
     /// The speed above which 6505h bit 0 warns; `None`: no warning.
     pub speed_warning_rpm: Option<u32>,
-    /// When the position continues beyond the end of the physical range.
+    /// The condition under which the position continues beyond the end of the physical range.
     pub universal_scaling: UniversalScaling,
     /// The bit of 6000h that makes the speed units per second instead of revolutions per minute.
     pub speed_format_bit: u8,
@@ -113,8 +113,8 @@ pub enum EncoderKind {
     DrawWire,
 }
 
-/// When the universal scaling function works. It allows any scaling without a jump of the position at the end of the
-/// physical range.
+/// The condition under which the universal scaling function works. The function allows any scaling without a jump of
+/// the position at the end of the physical range.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum UniversalScaling {

@@ -3,7 +3,8 @@
 //!
 //! The unit of speed is revolutions per minute or measuring units per second, as 6000h says. Acceleration is the change
 //! of this speed per second, jerk per square second. 6031h:03 and :04 (6041h) are a multiplier and a divisor, for
-//! example for a gear. In devices with 2130h its sub-indexes 1 and 2 take their place, for units per second only.
+//! example for a gear. In devices with 2130h, 2130h:01 and 2130h:02 take the place of multiplier and divisor, but only
+//! while the unit is measuring units per second.
 
 use super::Encoder;
 use super::operating::steps;

@@ -83,8 +83,8 @@ impl Clients {
         !is_own
     }
 
-    /// The meaning of a frame for the device. A CAN-ID that the device uses only in this case, and others before it,
-    /// counts as sent by both.
+    /// The meaning of a frame for the device. A frame without a meaning in the configuration of the case has the
+    /// meaning that it has in the device's own configuration, if others sent such frames before the case.
     fn kind(&self, can_id: u16, form: Form) -> Option<ForeignKind> {
         let usual = || self.usual.kind(can_id, form).filter(|kind| self.before.contains_key(&(*kind, can_id)));
         self.now.kind(can_id, form).or_else(usual)
@@ -155,7 +155,7 @@ impl Clients {
         self.queue.busy_until(now, patience)
     }
 
-    /// The period of the others' requests, and when the next one is due.
+    /// The period of the others' requests, and the time at which the next one is due.
     pub(crate) fn next_request(&self) -> Option<(Duration, Timestamp)> {
         self.queue.next_foreign()
     }

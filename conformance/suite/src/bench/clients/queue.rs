@@ -52,8 +52,8 @@ impl ServerQueue {
         self.asked.push_back(Asked { request, is_foreign, at });
     }
 
-    /// Takes an answer of the server. Returns whether it is for others: the oldest request that it fits is a request of
-    /// theirs.
+    /// Takes an answer of the server. Returns whether the answer is for others: the oldest request that it fits comes
+    /// from them.
     pub fn answer(&mut self, response: Option<&Response>, at: Timestamp) -> bool {
         self.asked.retain(|asked| at.since(asked.at) < FORGOTTEN);
         if self.asked.iter().all(|asked| !asked.is_foreign) {
@@ -63,8 +63,8 @@ impl ServerQueue {
         let fitting = response.and_then(|response| self.asked.iter().position(|asked| fits(&asked.request, response)));
         let Some(asked) = fitting.and_then(|place| self.asked.remove(place)) else { return false };
         if asked.is_foreign {
-            // A client has one request at a time, so an older request of others is lost. A request of the tester may
-            // have overtaken theirs.
+            // A client has one request at a time, so the older requests of others are lost. An older request of the
+            // tester stays, because a request of others may have overtaken it.
             let (passed_over, mut place) = (fitting.unwrap_or_default(), 0);
             self.asked.retain(|asked| {
                 place += 1;
@@ -76,7 +76,7 @@ impl ServerQueue {
         asked.is_foreign
     }
 
-    /// The device has restarted: it will not answer earlier requests.
+    /// Forgets all requests: the device has restarted, and will not answer them.
     pub fn reset(&mut self) {
         self.asked.clear();
         self.busy_until = None;

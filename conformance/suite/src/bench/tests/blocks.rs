@@ -70,7 +70,7 @@ fn a_server_that_goes_wrong_in_blocks_gets_an_abort() {
     let (outcome, sent, _) = uploaded(&[("63F#A4", &["5BF#8008100011000906"])]);
     assert!(matches!(outcome, Outcome::Aborted(abort) if abort.code == AbortCode::NO_SUB_INDEX));
     assert_eq!(sent, "63F#A40810007F000000", "nothing more is sent");
-    // A segment, after which the server is silent before the end.
+    // The server sends a segment, but then no end of the transfer.
     let begun: &[(&str, &[&str])] = &[("63F#A4", &["5BF#C208100002000000"]), ("63F#A3", &["5BF#8141420000000000"])];
     let (outcome, sent, _) = uploaded(begun);
     assert_eq!((outcome, sent.as_str()), (Outcome::Silent, "63F#8008100000000405"));

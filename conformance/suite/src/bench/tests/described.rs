@@ -129,7 +129,8 @@ fn an_object_that_is_refused_does_not_serve() {
     assert_eq!(found(vec![fixed(0x1017), fixed(0x100C)]), [0x1017, 0x100C]);
 }
 
-/// A PDO parameter that can't be written while the PDO is valid does not serve; another object may be refused once.
+/// A PDO parameter does not serve if it can't be written while the PDO is valid. Any other object serves, even if the
+/// device refuses to write it.
 #[test]
 fn a_locked_pdo_parameter_does_not_serve() {
     let target =

@@ -25,7 +25,7 @@ fn stubborn(mut serve: impl FnMut(&str) -> Option<&'static str>) -> impl FnMut(&
     }
 }
 
-/// What ended the transfer that a case has left open, whether the server then serves a request, and the time.
+/// The action that ended the transfer of a case, whether the server then serves a request, and the duration.
 fn ended(
     script: impl FnMut(&Frame) -> Vec<(Duration, Frame)> + 'static,
     request: Request,
@@ -104,7 +104,7 @@ fn a_server_that_ends_the_transfer_by_itself_is_waited_for() {
     assert!(took < Duration::from_secs(20), "{took}");
 }
 
-/// The long way is gone once: otherwise a run would take it after every case.
+/// The slow actions are tried only once: otherwise a run would try them after every case.
 #[test]
 fn a_server_that_nothing_ends_is_not_waited_for_again() {
     let script = stubborn(|request| match request.get(..6).unwrap_or_default() {

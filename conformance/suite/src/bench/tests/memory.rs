@@ -58,8 +58,8 @@ fn after_a_start(bench: &mut Bench<'_>, at: Multiplexer) -> u32 {
     bench.read_number(at).unwrap()
 }
 
-/// Values that a case stored, its own and those that another wrote for it, are gone after the next start; the values in
-/// use are in use again.
+/// All values that a case stored, those that it has written and those that were in use, are gone after the next start;
+/// the values in use are in use again.
 #[test]
 fn what_a_case_stored_does_not_stay() {
     on("reference-301", None, &[Touch::Nvm], |bench| {
@@ -196,8 +196,8 @@ fn a_zero_point_that_stays_by_itself_is_put_back() {
     });
 }
 
-/// Only a case that was allowed to move a zero point moves it. The movement is reported to the step, with the manual
-/// remedy.
+/// The end of a run does not put back a moved zero point: only a case with the user's permission moves one. The report
+/// gives the movement to the step, without a command that reverses it.
 #[test]
 fn a_zero_point_that_moved_is_told_and_not_put_back() {
     let moved = |bench: &mut Bench<'_>| {
@@ -210,7 +210,7 @@ fn a_zero_point_that_moved_is_told_and_not_put_back() {
     };
     on("reference-406", None, &[Touch::Nvm, Touch::Preset], |bench| {
         let (_, dictionary) = moved(bench);
-        // `canvass restore` finds the device this way: without any leave.
+        // `canvass restore` finds the device like this, and has no permission of the user.
         let (before, options) = (bench.changes.baseline.clone(), Options::default());
         let cancel = AtomicBool::new(false);
         let mut annotate = |record: &Record| record.frame.to_string();

@@ -38,7 +38,7 @@ fn transfers_say_what_they_were() {
         assert_eq!(refused.what, "download of 1 byte to 1000h:00");
         assert!(refused.abort().is_some() && refused.expect_confirmation().is_err());
         assert!(bench.write(DEVICE_TYPE, &[0; 4]).is_err_and(|stop| matches!(stop, Stop::Inconclusive(_))));
-        // The written value is put back, once, to the earlier value.
+        // The bench puts the earlier value back, once.
         let remains = bench.finish();
         assert_eq!((remains.notes, bench.read_number(HEARTBEAT_TIME)), (Vec::new(), Ok(0)));
     });

@@ -12,7 +12,7 @@ use canvass_analyzer::{CobId, Multiplexer};
 use canvass_bus::observation::Subject;
 use canvass_traces::{Direction, Duration, Frame};
 
-/// The objects written since this frame, in order, with their values.
+/// The objects written after the first `since` frames, in order, with their values.
 fn written(bench: &Bench<'_>, since: usize) -> Vec<String> {
     let sent = bench.evidence().frames().skip(since).filter(|exhibit| exhibit.record.direction == Direction::Tx);
     let downloads = sent.filter_map(|exhibit| {
@@ -90,7 +90,7 @@ fn a_timer_that_is_not_there_is_off() {
     });
 }
 
-/// A COB-ID without CAN-ID gets the one of the predefined connection set.
+/// A COB-ID without CAN-ID gets the CAN-ID of the predefined connection set.
 #[test]
 fn a_cob_id_is_made_valid() {
     on_device(|bench| {

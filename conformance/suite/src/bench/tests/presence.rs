@@ -57,7 +57,7 @@ fn a_device_leaves_once_and_comes_back() {
     });
 }
 
-/// Any frame of the device is a sign of it; frames of others are not.
+/// Any frame of the device is a sign of its presence; frames of others are not.
 #[test]
 fn any_frame_of_a_device_is_a_sign_of_it() {
     let found = |sign: &'static str| {
@@ -149,8 +149,8 @@ fn others_may_be_commanded_with_leave() {
     assert_eq!(with_bench(table(NOISE), |bench| bench.is_alone()), Ok(Ok(())));
 }
 
-/// The queues of interfaces hold eight frames: 126 nodes are asked in sixteen portions, 20 ms apart, and the last
-/// portion has the time of silence.
+/// The transmit queue of an interface holds at least eight frames: 126 nodes are asked in sixteen portions, 20 ms
+/// apart. After the last portion the tester waits for the time of silence.
 #[test]
 fn others_are_asked_in_portions() {
     with_bench(table(&[]), |bench| {

@@ -29,7 +29,7 @@ fn original(index: u16, sub: u8, value: &[u8]) -> Original {
     Original { multiplexer: Multiplexer::new(index, sub), value: value.to_vec() }
 }
 
-/// The tester's frames since this one, in short: `1017:00=E803` for a write, `NMT 81 3F`.
+/// The tester's frames after the first `since` frames, in short: `1017:00=E803` for a write, `NMT 81 3F`.
 fn sent(bench: &mut Bench<'_>, since: usize) -> Vec<String> {
     bench.uncancelled(|bench| bench.drain()).unwrap();
     let own = bench.evidence().frames().skip(since).filter(|exhibit| exhibit.record.direction == Direction::Tx);
@@ -63,10 +63,10 @@ enum Takes {
     Nothing,
 }
 
-/// A device with a device type and 1010h. It has these values now, and `default` after a reset. The test shares the
-/// values.
+/// The values of a scripted device, shared with the test.
 type Values = Rc<RefCell<BTreeMap<(u16, u8), Vec<u8>>>>;
 
+/// A device with a device type and 1010h, with these values now, and with the values `default` after a reset.
 fn device(values: &Values, default: &[Row], takes: Takes) -> impl FnMut(&Frame) -> Vec<(Duration, Frame)> + use<> {
     let (values, default) = (Rc::clone(values), default.to_vec());
     move |request| {

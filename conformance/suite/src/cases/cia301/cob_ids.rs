@@ -147,7 +147,7 @@ fn bits_beyond(bench: &mut Bench<'_>) -> Judged {
         }
         bench.each(11..=28, |bench, bit| {
             let attempt = bench.download(at, &(off | 1 << bit).to_le_bytes())?;
-            // A device whose COB-IDs can only be switched on and off refuses this one for that reason.
+            // A device whose COB-IDs can only be switched on and off refuses this value with abort 0800 0000h.
             let only_switched = attempt.abort() == Some(AbortCode::GENERAL);
             if only_switched { Ok(()) } else { bench.check(attempt.refused(Situation::InvalidValue)) }
         })?;

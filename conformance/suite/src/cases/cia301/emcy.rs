@@ -1,5 +1,5 @@
-//! EMCY, error register and error history. An error that nearly every device can report is one of its error control:
-//! the master that guards it, or a node that it monitors, falls silent. The tester acts as both.
+//! EMCY, error register and error history. Nearly every device can report an error of its error control: the master
+//! that guards it, or a node that it monitors, falls silent. The tester acts as both.
 
 use super::heartbeat_consumer::entry;
 use crate::bench::Bench;
@@ -257,8 +257,8 @@ fn error_reset(bench: &mut Bench<'_>) -> Judged {
                 .found(Observation::Silence),
         )));
     };
-    // Read at once: a node that was heard only once is lost again. A device may keep a bit of the error register until
-    // somebody acknowledges it.
+    // The register is read at once: a node that was heard only once is lost again. A device may keep a bit of the error
+    // register until somebody acknowledges it.
     let register = bench.read_number(ERROR_REGISTER)?;
     let said = u32::from(back.data().get(2).copied().unwrap_or_default());
     bench.check(demand(said == register || said == before, || {

@@ -196,7 +196,8 @@ fn several_errors(bench: &mut Bench<'_>) -> Result<Vec<u16>, Stop> {
     Ok(codes)
 }
 
-/// The CAN-ID of an RPDO that is too short if it is empty, and a correct payload; `None` if there is no such RPDO.
+/// The CAN-ID of an RPDO for which an empty frame is too short, and a payload of the right length; `None` if there is
+/// no such RPDO.
 fn too_short(bench: &mut Bench<'_>) -> Result<Option<(u16, Vec<u8>)>, Stop> {
     if !bench.has(RPDO.parameter(1))? || !bench.has(RPDO.entry(1))? {
         return Ok(None);

@@ -87,8 +87,8 @@ fn toggle_reset(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// The answer to a guarding request is one byte with the NMT state in bits 0 to 6: 7Fh pre-operational, 05h operational,
-/// 04h stopped.
+/// The answer to a guarding request is one byte with the NMT state in bits 0 to 6: 7Fh pre-operational, 05h
+/// operational, 04h stopped.
 #[case(id = "301/guarding/state", clause = "CiA 301 7.2.8.3.2.1", confidence = Cited, level = Must,
        needs = [Guarding], catches = [GuardingWrongState, NmtStopWhenOperationalIgnored, NmtStartWhenStoppedIgnored],
        cct = "7.2")]
@@ -121,7 +121,7 @@ fn unset(bench: &mut Bench<'_>) -> Judged {
         if bench.read_number(multiplexer)? != 0 {
             if !bench.can_write(multiplexer)? {
                 let actual = format!("{multiplexer} can't be set to 0");
-                return Err(Stop::NotApplicable(Reason::new("life guarding can be switched off", "rw", actual)));
+                return Err(Stop::NotApplicable(Reason::new("life guarding can be switched off", "0 or rw", actual)));
             }
             bench.write(multiplexer, zero)?;
         }

@@ -38,7 +38,7 @@ fn beside_writes(bench: &mut Bench<'_>) -> Judged {
 }
 
 /// Heartbeats also count while the device is stopped: if the first heartbeat of a monitored node arrives then, the
-/// device detects the loss of the node once the device is operational and the node silent.
+/// device detects the loss of the node once the device is operational and the node is silent.
 #[case(id = "301/heartbeat-consumer/stopped", clause = "CiA 301 7.3.2.2.5", confidence = Cited, level = Should,
        needs = [HeartbeatConsumer], catches = [HeartbeatConsumerDeafWhenStopped])]
 fn heard_in_stopped(bench: &mut Bench<'_>) -> Judged {

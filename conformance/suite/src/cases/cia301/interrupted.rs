@@ -26,7 +26,7 @@ fn stop_in_upload(bench: &mut Bench<'_>) -> Result<(Multiplexer, Vec<u8>), Stop>
     let reply = bench.send_unanswered(&NEXT, "request for a segment in stopped")?;
     bench.check(reply.expect_silence())?;
     bench.command(Command::ENTER_PRE_OPERATIONAL)?;
-    // The server must not have kept the request and answer it now, either.
+    // The server must not have kept the request, to answer it now.
     let response_id = sdo::RESPONSE_BASE + u16::from(bench.node().raw());
     let heard = bench.listen(bench.silence())?;
     let late = heard.into_iter().map(|record| record.frame).find(|frame| frame.cob_id() == Some(response_id));
@@ -89,9 +89,9 @@ fn reset(bench: &mut Bench<'_>) -> Judged {
     bench.expect_unchanged(multiplexer, &scratch.value)
 }
 
-/// Requires that the server sends nothing more about a transfer that a reset has ended, once it has booted, and never
-/// an abort for a time-out, which would mean that it continues the transfer. It may abort the transfer before it
-/// resets.
+/// Requires that the server sends nothing about a transfer that a reset has ended. After the boot-up message, any
+/// message about the transfer is a breach. Before it, only an abort for a timeout is a breach, because it shows that
+/// the server continued the transfer: the server may abort the transfer before it resets.
 fn nothing_since(bench: &Bench<'_>, arrived: Timestamp, booted: Option<Timestamp>) -> Check {
     let [requests, responses] =
         [sdo::REQUEST_BASE, sdo::RESPONSE_BASE].map(|base| base + u16::from(bench.node().raw()));

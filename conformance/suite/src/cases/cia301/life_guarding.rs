@@ -97,7 +97,7 @@ fn watches_at_all(life_time: LifeTime, found: &Observation) -> Judged {
     if life_time.is_settable || *found != Observation::State(State::OPERATIONAL) {
         return Ok(());
     }
-    let reason = Reason::new("the device monitors its master", "100Ch and 100Dh rw, or a reaction", "ro, and none");
+    let reason = Reason::new("the device monitors its master", "writable 100Ch and 100Dh, or a reaction", "neither");
     Err(Stop::NotApplicable(reason))
 }
 
@@ -200,7 +200,7 @@ fn recovery(bench: &mut Bench<'_>) -> Judged {
        needs = [Guarding], catches = [LifeGuardingNotStopped], cct = "7.1")]
 fn off(bench: &mut Bench<'_>) -> Judged {
     if !bench.can_write(GUARD_TIME)? || !bench.can_write(LIFE_TIME_FACTOR)? {
-        let reason = Reason::new("life guarding can be switched off", "100Ch and 100Dh rw", "ro");
+        let reason = Reason::new("life guarding can be switched off", "writable 100Ch and 100Dh", "a read-only one");
         return Err(Stop::NotApplicable(reason));
     }
     bench.each([(GUARD_TIME, &[0, 0][..]), (LIFE_TIME_FACTOR, &[0][..])], |bench, (multiplexer, zero)| {
@@ -218,7 +218,7 @@ fn off(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "301/life-guarding/first-request", clause = "CiA 301 7.2.8.2.2", confidence = Cited, level = Must,
        needs = [Guarding], catches = [LifeGuardingStartsAtOnce])]
 fn first_request(bench: &mut Bench<'_>) -> Judged {
-    // The state before the case was shown by a guarding request: a reset makes the device forget it.
+    // A guarding request before the case may have started the monitoring: a reset ends it.
     bench.reset(Command::RESET_COMMUNICATION)?;
     let life_time = life_time(bench, 100, 2)?;
     operational(bench)?;

@@ -27,7 +27,7 @@ fn open_transfers(bench: &mut Bench<'_>) -> Judged {
             bench.reset(command)?;
             let circumstance = format!("after {command} in the middle of a segmented {direction}");
             let served = bench.upload(DEVICE_TYPE)?.under(&circumstance).value().map(|_| ());
-            // The next transfer must not begin with the rest of this one.
+            // The next transfer must not begin with the remains of this transfer.
             bench.make_server_idle();
             bench.check(served)
         })?;

@@ -1,4 +1,5 @@
-//! The state of a PDO after the refusal of a new mapping, and nearly correct entries (1600h, 1A00h).
+//! The state of a PDO after the refusal of a new mapping, and mapping entries with a wrong length or without an object
+//! (1600h, 1A00h).
 
 use crate::bench::Bench;
 use crate::bench::pdo::{Mapped, TPDO};

@@ -30,7 +30,7 @@ pub(super) struct Subject {
 pub(super) fn subject(bench: &mut Bench<'_>, transmission_type: u8) -> Result<Subject, Stop> {
     let objects = bench.rpdo_objects();
     let of_bits = |bits: RangeInclusive<u8>| objects.iter().copied().find(|mapped| bits.contains(&mapped.bits));
-    // Objects that fit into an expedited SDO can't fail for another reason.
+    // An object that fits into an expedited SDO is preferred: a case with it depends on no other kind of transfer.
     carrying(bench, of_bits(16..=32).or_else(|| of_bits(8..=64)), transmission_type)
 }
 

@@ -25,7 +25,7 @@ const REPORTED: Duration = Duration::from_millis(250);
 
 /// A start of the device.
 struct Start {
-    /// The errors that it reported.
+    /// The errors that the device reported.
     errors: Vec<EmcyCode>,
     /// The state after start remote node; `None` if the device shows none.
     state: Option<State>,

@@ -328,7 +328,7 @@ pub(super) fn restarted(bench: &mut Bench<'_>) -> Judged {
             if bench.options().allow.contains(&Touch::NodeId) && !bench.answers()? =>
         {
             regain(bench, true)?;
-            bench.note("after \"load\" and reset node it had no node-ID, and received its own again by LSS");
+            bench.note("after \"load\" and reset node the device had no node-ID: the tester set it again by LSS");
             Ok(())
         }
         (reset, _) => reset,

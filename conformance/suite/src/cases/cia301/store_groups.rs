@@ -140,7 +140,7 @@ fn after_restore(bench: &mut Bench<'_>, two: &Two, order: Multiplexer) -> Result
     bench.listen(WRITTEN)?;
     restarted(bench)?;
     if values(bench)? != (two.communication.other.clone(), two.application.other.clone()) {
-        let reason = Reason::new("1010h:01 stores both groups", "both values after reset node", "others");
+        let reason = Reason::new("1010h:01 stores both groups", "both values after reset node", "other values");
         return Err(Stop::NotApplicable(reason));
     }
     bench.download(order, b"load")?.expect_confirmation()?;

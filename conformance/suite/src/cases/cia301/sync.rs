@@ -64,8 +64,8 @@ fn begins_in_time(bench: &mut Bench<'_>, set: Timestamp, first: Option<&Record>)
     }))
 }
 
-/// A SYNC producer sends SYNC with the period in microseconds that 1006h holds, the first within one period after bit 30
-/// of 1005h is set.
+/// A SYNC producer sends SYNC with the period in microseconds that 1006h holds, the first within one period after bit
+/// 30 of 1005h is set.
 #[case(id = "301/sync/period", clause = "CiA 301 7.5.2.6", confidence = Cited, level = Must,
        needs = [SyncProducer], catches = [SyncPeriodDoubled, SyncHangsWithoutCounter], cct = "6.2")]
 fn period(bench: &mut Bench<'_>) -> Judged {
@@ -301,7 +301,7 @@ fn cob_id(bench: &mut Bench<'_>) -> Judged {
 }
 
 /// The case only records whether a consumer that expects a counter follows a SYNC whose length is not one byte. Such a
-/// consumer may report the SYNC by EMCY 8240h; the standard does not define what its TPDOs do.
+/// consumer may report the SYNC by EMCY 8240h; the standard does not define whether the consumer then sends its TPDOs.
 #[case(id = "301/sync/wrong-length", clause = "CiA 301 7.5.2.22", confidence = Cited, level = Open,
        needs = [SyncCounter, Tpdo, DynamicMapping], catches = [SyncLengthUnchecked])]
 fn wrong_length(bench: &mut Bench<'_>) -> Judged {

@@ -90,7 +90,7 @@ pub fn configure(bench: &mut Bench<'_>) -> Result<(), Stop> {
         return Ok(());
     }
     let duty = "switch state global switches the slave to configuration";
-    Err(Stop::Inconclusive(Reason::new(duty, "an answer to an inquiry or to configure node-ID", "none to either")))
+    Err(Stop::Inconclusive(Reason::new(duty, "an answer to an inquiry or to configure node-ID", "neither")))
 }
 
 /// Whether the slave is in configuration: it answers an inquiry or, without inquiry service, accepts its own node-ID.

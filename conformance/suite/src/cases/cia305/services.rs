@@ -106,7 +106,7 @@ fn reserved_commands(bench: &mut Bench<'_>) -> Judged {
 fn form(bench: &mut Bench<'_>) -> Judged {
     let address = address(bench)?;
     let own = bench.node().raw();
-    // A slave may change only every second response.
+    // A slave may send only every second response in a wrong form.
     for _ in 0..2 {
         for dialogue in of_waiting(address) {
             bench.drain()?;

@@ -96,7 +96,7 @@ fn identify_other(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "205/form", clause = "CiA DS-205", confidence = Unknown, level = Should,
        needs = [Alone, Lmt], touches = [NodeId], catches = [LmtShortResponse])]
 fn form(bench: &mut Bench<'_>) -> Judged {
-    // A slave may change only every second response.
+    // A slave may send only every second response in a wrong form.
     for _ in 0..2 {
         in_configuration(bench, |bench| {
             for part in Part::ALL {

@@ -19,7 +19,7 @@ pub static LMT: Need = Need::new("lmt", "layer management (LMT)", |bench| {
         answers |= tell(bench, Request::Inquire { part })?.is_some();
     }
     tell(bench, Request::SwitchGlobal { mode: 0 })?;
-    // A wrong response is one, too: the cases judge it.
+    // A wrong response counts, too: the cases judge it.
     answers |= bench.heard_since(begun).iter().any(|record| record.frame.cob_id() == Some(SLAVE_CAN_ID));
     Ok(match answers {
         true => Ok(()),

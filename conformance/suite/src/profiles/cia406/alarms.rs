@@ -77,7 +77,7 @@ fn error_register(bench: &mut Bench<'_>) -> Judged {
     let (alarms, register) = (bench.read_number(ALARMS)?, bench.read_number(ERROR_REGISTER)?);
     bench.check(demand(alarms == 0 || register != 0, || {
         let duty = format!("1001h shows that there is an alarm (6503h = {alarms:04X}h)");
-        Breach::new(ERROR_REGISTER, duty).expected("bit 0 at least").found(number(register))
+        Breach::new(ERROR_REGISTER, duty).expected("at least one bit set").found(number(register))
     }))
 }
 
@@ -93,7 +93,7 @@ fn alarm_of_emcy(bench: &mut Bench<'_>) -> Judged {
     let alarms = bench.read_number(ALARMS)?;
     bench.check(demand(alarms != 0 || !has_code(&sent, EmcyCode::GENERIC), || {
         let breach = Breach::new(ALARMS, "6503h shows what the EMCY 1000h reports");
-        breach.expected("a bit of 6503h").found(number(alarms))
+        breach.expected("at least one bit set").found(number(alarms))
     }))
 }
 
@@ -114,11 +114,11 @@ fn temperature(bench: &mut Bench<'_>) -> Judged {
     let (warnings, register) = (bench.read_number(WARNINGS)?, bench.read_number(ERROR_REGISTER)?);
     bench.check(demand(warnings & TEMPERATURE_WARNING != 0, || {
         let duty = "6505h bit 14 is set while the temperature is above its limit";
-        Breach::new(WARNINGS, duty).expected("bit 14").found(number(warnings)).told(format!("{warnings:04X}h"))
+        Breach::new(WARNINGS, duty).expected("bit 14 set").found(number(warnings)).told(format!("{warnings:04X}h"))
     }))?;
     bench.check(demand(register & 0x08 != 0, || {
         let duty = format!("1001h shows the error of EMCY {DEVICE_TEMPERATURE}");
-        let breach = Breach::new(ERROR_REGISTER, duty).expected("bit 3 of 1001h").found(number(register));
+        let breach = Breach::new(ERROR_REGISTER, duty).expected("bit 3 set").found(number(register));
         breach.told(format!("{first:02X}h, then {register:02X}h"))
     }))?;
     bench.write(TEMPERATURE_LIMIT, &usual)?;

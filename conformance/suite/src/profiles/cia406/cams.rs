@@ -54,7 +54,9 @@ fn expect(bench: &mut Bench<'_>, set: bool, where_: &str) -> Judged {
     let found = is_set(bench)?;
     let shown = |set: bool| Observation::named(if set { "bit 0 set" } else { "bit 0 clear" });
     bench.check(demand(found == set, || {
-        Breach::new(STATE, format!("6300h:01 of a cam {where_}")).expected(shown(set)).found(shown(found))
+        Breach::new(STATE, format!("6300h:01 shows the state of a cam {where_}"))
+            .expected(shown(set))
+            .found(shown(found))
     }))
 }
 

@@ -77,7 +77,7 @@ fn second_synchronous(bench: &mut Bench<'_>) -> Judged {
     let second = TPDO.numbered(2);
     let unlike = |actual: String| {
         let duty = "TPDO 2 is synchronous and carries the position";
-        Stop::NotApplicable(Reason::new(duty, "transmission type 1, 6004h first", actual))
+        Stop::NotApplicable(Reason::new(duty, "transmission type 1, and 6004h as the first object", actual))
     };
     if !bench.has(second.parameter(2))? || !bench.has(second.entry(1))? {
         return Err(unlike("there is no TPDO 2".to_owned()));

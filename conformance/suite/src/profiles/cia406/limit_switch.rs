@@ -20,8 +20,11 @@ fn needs_limit_switches(bench: &Bench<'_>) -> Result<(), Stop> {
     if bench.target().description.as_ref().is_some_and(shows_limit_switches) {
         return Ok(());
     }
-    let reason =
-        Reason::new("the device has limit switches", "2104h and 2105h described as such", "other objects or none");
+    let reason = Reason::new(
+        "the device has limit switches",
+        "2104h and 2105h described as limit switches",
+        "other objects or none",
+    );
     Err(Stop::NotApplicable(reason))
 }
 

@@ -56,7 +56,7 @@ fn own_value(bench: &mut Bench<'_>) -> Judged {
         }
     }
     if objects.is_empty() {
-        let reason = Reason::new("the description names parameters to try", "6000h, writable", "none");
+        let reason = Reason::new("a parameter of the encoder can be written", "6000h or another one", "none");
         return Err(Stop::NotApplicable(reason));
     }
     bench.each(objects, |bench, at| {

@@ -111,7 +111,7 @@ fn code_sequence(bench: &mut Bench<'_>) -> Judged {
     if is_near(before, (range - before) % range, range) {
         let reason = Reason::new(
             "the shaft is at a place where the two directions give different positions",
-            "not 0 or half the range",
+            "neither 0 nor half the range",
             format!("{before}"),
         );
         return Err(Stop::Inconclusive(reason));

@@ -108,7 +108,7 @@ fn own_values(bench: &mut Bench<'_>) -> Judged {
 fn fewer_units(bench: &mut Bench<'_>) -> Judged {
     operate(bench, SCALING, 0)?;
     if !bench.can_write(UNITS_PER_REVOLUTION)? || bench.read_number(DEVICE_TYPE)? >> 16 > 2 {
-        let reason = Reason::new("the units per revolution of a rotary encoder can be set", "6001h", "not there");
+        let reason = Reason::new("the units per revolution of a rotary encoder can be set", "a writable 6001h", "none");
         return Err(Stop::NotApplicable(reason));
     }
     let (steps, range) = (bench.read_number(SINGLE_TURN)?, bench.read_number(RANGE)?);

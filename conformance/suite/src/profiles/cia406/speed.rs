@@ -61,7 +61,7 @@ fn units_per_revolution(bench: &mut Bench<'_>) -> Result<f64, Stop> {
     Ok(bench.read_number(if scaled { UNITS_PER_REVOLUTION } else { SINGLE_TURN })?.into())
 }
 
-/// Whether two speeds are equal except for a tenth and the last digits.
+/// Whether two speeds differ by at most a tenth, or by at most 2.
 fn is_like(a: f64, b: f64) -> bool {
     (a - b).abs() <= (b.abs() * 0.1).max(2.0)
 }

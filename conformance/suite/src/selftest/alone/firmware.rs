@@ -51,7 +51,7 @@ impl Subject {
     }
 }
 
-/// This number of different faults, in a random order.
+/// `count` different faults in a random order.
 fn drawn(dice: &mut Dice, count: usize) -> Vec<Fault> {
     let mut faults: Vec<(u64, Fault)> = Fault::ALL.iter().map(|fault| (dice.next(), *fault)).collect();
     faults.sort_unstable();

@@ -30,7 +30,8 @@ use std::sync::atomic::AtomicBool;
 pub struct Sample {
     /// The seed of the draw and of the random order: equal seeds give equal runs.
     pub seed: u64,
-    /// Number of firmwares with a fault, and of those with two; `None` means every fault, and as many pairs.
+    /// Number of firmwares with one fault, and of firmwares with two faults; `None` means every fault, and as many
+    /// pairs of faults.
     pub count: Option<usize>,
 }
 
@@ -52,7 +53,7 @@ pub struct AloneRow {
     pub unexplained: Vec<Difference>,
 }
 
-/// A case whose verdict in a whole run differs from the one that it gives alone.
+/// A case whose verdict in a whole run differs from its verdict in a run of its own.
 #[derive(Clone, Debug)]
 pub struct Difference {
     /// The case.
@@ -100,7 +101,7 @@ fn row(subject: Subject, cases: &[&'static Case], shuffled: &[&'static Case], ex
     let mut row = AloneRow { subject, cases: cases.len(), explained: Vec::new(), unexplained: Vec::new() };
     for (order, cases) in [(Order::Usual, cases), (Order::Shuffled, shuffled)] {
         let mut together = Outcomes::new();
-        // One device either rests or moves.
+        // A device either rests or moves during a run, so the cases form two groups.
         for moving in [false, true] {
             let some: Vec<_> = cases.iter().copied().filter(|case| case.needs_motion() == moving).collect();
             run_on(subject, &target, &some, &mut together);
@@ -151,7 +152,7 @@ fn run_on(subject: Subject, target: &Target, cases: &[&'static Case], outcomes: 
     let mut annotate = |_: &Record| String::new();
     let mut bench = Bench::new(&mut bus, target, &options, &mut annotate, &cancel);
     let plan = Plan { cases, bus: "sim", bit_rate: Some(bit_rate), seed: 0, shuffle: None };
-    // A run in which no case could be judged has reported each case all the same.
+    // If no case could be judged, the run ends with an error, but it has reported each case.
     let _ = runner::run(&mut bench, &plan, &mut |event| {
         if let RunEvent::CaseFinished(report) = event {
             outcomes.insert(report.case.id, (report.verdict.kind(), reason_of(report)));

@@ -57,7 +57,7 @@ impl Answers {
         match self.kind {
             NullDevice::ConfirmsAll | NullDevice::Ghost | NullDevice::MandatoryOnly => Some(frame),
             NullDevice::OneByte => Some(self.cut(frame)),
-            // These null devices start by themselves: nothing of a right device is left.
+            // These null devices send even their boot-up message themselves: no frame of the right device is sent.
             _ => None,
         }
     }

@@ -70,7 +70,7 @@ impl Filter {
         }
     }
 
-    /// The tally from now on.
+    /// The tally, which the filter continues to update.
     pub fn tally(&self) -> Arc<Mutex<Tally>> {
         Arc::clone(&self.tally)
     }

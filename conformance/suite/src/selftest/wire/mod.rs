@@ -3,7 +3,7 @@
 //! The messages and their fields come from the wire types ([`canvass_analyzer::wire::Fields`]), so that the matrix
 //! includes new messages and fields automatically. A mutant is a right device behind a filter. It runs the cases in
 //! their usual order until one fails, without the cases in which its message does not occur. If no frame differs from
-//! the right device, the mutant says nothing.
+//! the frames of the right device, the mutant proves nothing.
 
 mod filter;
 mod mutant;
@@ -143,8 +143,8 @@ pub fn run(cases: &[&'static Case], models: &'static [Model], sample: &Sample) -
     let boot_up = primitives.iter().position(|known| known.is(Service::Heartbeat, boot_up));
     let best = |place: usize| {
         let senders = stages.iter().filter(|stage| stage.cases_with(place).next().is_some());
-        // A device without boot-up message (DS-301 V3.0) leaves open what it owes after a start. Of equal models the
-        // first.
+        // Models with a boot-up message are preferred: without it (DS-301 V3.0) it is open what a device has to do
+        // after a start. Of equal models the first is chosen.
         let starts = |stage: &Stage| boot_up.is_some_and(|boot_up| stage.cases_with(boot_up).next().is_some());
         senders.rev().max_by_key(|stage| (starts(stage), stage.cases_with(place).count()))
     };
@@ -270,7 +270,7 @@ fn names(case: &'static Case, breach: &Breach, service: Service) -> bool {
             let services = [Service::BootUp, Service::Heartbeat, Service::Guarding, Service::Nmt];
             services.into_iter().any(of) || chapter(case) == "network management"
         }
-        // A case of another service may be about its EMCY.
+        // A case of another service may judge an EMCY.
         Service::Emcy => of(Service::Emcy) || chapter(case) == "emergencies" || expects_emcy(breach),
         Service::Pdo => matches!(breach.subject, Subject::Pdo { .. }) || chapter(case) == "process data",
         Service::Sync => of(Service::Sync) || case.family() == "301/sync",

@@ -128,10 +128,11 @@ fn unknown() -> Target {
     Target::unknown(NodeId::new(NODE).unwrap())
 }
 
-/// A device with these values. Requests with one of these beginnings get the given answer, or none. All requests are
-/// recorded.
+/// The requests that a device got, in order.
 type Asked = Rc<RefCell<Vec<String>>>;
 
+/// A device with these values. A request that begins with one of the texts in `answers` gets the answer beside the
+/// text, or none if that answer is empty. All requests are recorded in `asked`.
 fn but(
     rows: &[Row],
     answers: &'static [(&'static str, &'static str)],
@@ -243,8 +244,8 @@ fn segmented_downloads_are_known_unless_the_command_is() {
     assert_eq!(asked(&LONG_SCRATCH, dictionary(Vec::new()), &text, &Options::default()), Ok(()));
 }
 
-/// A 1017h that can't be written although the description says so is a breach; without such a description it only does
-/// not meet the need.
+/// If the description says that 1017h can be written and the device refuses the write, that is a breach. Without such a
+/// description the refusal only means that the device does not meet the need.
 #[test]
 fn a_heartbeat_time_that_can_not_be_written_breaks_its_description() {
     let met = |lines: &str, rows: &[Row]| {

@@ -41,8 +41,8 @@ fn has_value(bench: &mut Bench<'_>, multiplexer: Multiplexer, right: &[u8]) -> J
     bench.expect_tidy()
 }
 
-/// A string whose segments fit into one block with one to spare: at most six segments if its length is free, and at
-/// least three.
+/// A string of three segments or more that leaves at least one segment of its only block unused. If the device does not
+/// fix the length, the string has at most six segments.
 fn one_block(bench: &mut Bench<'_>) -> Result<(Multiplexer, Vec<u8>), Stop> {
     const LENGTH: usize = 40;
     let (multiplexer, value) = long_subject(bench, LENGTH)?;
@@ -60,8 +60,8 @@ fn one_block(bench: &mut Bench<'_>) -> Result<(Multiplexer, Vec<u8>), Stop> {
 }
 
 /// Writes a string with an error in its only block and requires that the server recovers: it confirms the segments that
-/// came in order, and accepts the rest when it is repeated. `confirmed` has the segments up to which the server may
-/// confirm; 0 stands for the last segment.
+/// came in order, and accepts the rest when it is repeated. `confirmed` lists the segments that the server may name in
+/// its confirmation; 0 stands for the last segment.
 fn made_good(bench: &mut Bench<'_>, mischief: Mischief, confirmed: &[u8]) -> Judged {
     let (multiplexer, value) = one_block(bench)?;
     let last = u8::try_from(value.len().div_ceil(7)).unwrap_or(u8::MAX);
@@ -301,7 +301,7 @@ fn send_segment(bench: &mut Bench<'_>, segment: [u8; 8]) -> Judged {
     bench.wait_for(limit, |record| (record.frame.cob_id() == Some(response)).then_some(())).map(|_| ())
 }
 
-/// Requires that the server serves a request meanwhile, and ends the block download.
+/// Requires that the server serves a request during the block download, and ends the download.
 fn interrupted(bench: &mut Bench<'_>, scratch: &Scratch, circumstance: &str) -> Judged {
     let served = bench.expect_served(circumstance);
     bench.send_request(&Request::abort(scratch.multiplexer, AbortCode::GENERAL))?;

@@ -81,7 +81,7 @@ pub(super) fn in_segments(bench: &mut Bench<'_>, multiplexer: Multiplexer, bytes
     Ok(Reply { subject: multiplexer.into(), ..reply })
 }
 
-/// Requests the remaining segments of an upload, of which `data` has come, and requires the whole value.
+/// Requests the segments of an upload that follow the bytes `data`, and requires the whole value.
 pub(super) fn finish_upload(
     bench: &mut Bench<'_>,
     multiplexer: Multiplexer,

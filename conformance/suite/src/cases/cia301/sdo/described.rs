@@ -24,14 +24,15 @@ fn described(bench: &Bench<'_>, wanted: impl Fn(Multiplexer, &Entry) -> bool) ->
     let entries = description.dictionary.entries();
     let found: Vec<Described> =
         entries.filter(|(at, entry)| wanted(*at, entry)).map(|(at, entry)| (at, entry.clone())).collect();
-    if found.is_empty() { Err(nothing("an object that the case is about", "none is described")) } else { Ok(found) }
+    if found.is_empty() { Err(nothing("an object that the case is about", "none")) } else { Ok(found) }
 }
 
 fn nothing(expected: &str, actual: &str) -> Stop {
-    Stop::NotApplicable(Reason::new("the description names objects to try", expected, actual))
+    Stop::NotApplicable(Reason::new("the description has an object for this case", expected, actual))
 }
 
-/// Communication and profile objects that hold a configuration, and nothing that acts when it is written.
+/// Whether an object is a communication or profile object that holds a configuration and does not act when it is
+/// written.
 fn is_harmless(bench: &Bench<'_>, at: Multiplexer) -> bool {
     bench.may_write(at)
         && !bench.acts(at)

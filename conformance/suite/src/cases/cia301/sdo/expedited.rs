@@ -52,7 +52,7 @@ fn upload(bench: &mut Bench<'_>) -> Judged {
     bench.expect_dialogue()
 }
 
-/// Requires that the first answer after a start is that of any other time.
+/// Requires that the first answer after a start equals the answers at other times.
 fn first_after_start(bench: &mut Bench<'_>, (multiplexer, length): (Multiplexer, usize)) -> Judged {
     let Outcome::Uploaded(usual) = bench.upload(multiplexer)?.outcome else { return Ok(()) };
     bench.reset(Command::RESET_NODE)?;
@@ -64,7 +64,7 @@ fn first_after_start(bench: &mut Bench<'_>, (multiplexer, length): (Multiplexer,
     let first = attempt.responses.first().copied();
     bench.check(is_expedited(multiplexer, &attempt.outcome, first, length))?;
     let Outcome::Uploaded(value) = attempt.outcome else { return Ok(()) };
-    // A response without length has other bytes, too.
+    // A response that does not state its length carries further bytes, too.
     bench.check(demand(value.get(..length) == usual.get(..length), || {
         let breach =
             Breach::new(multiplexer, format!("the first upload of {multiplexer} after a start gives its value"));

@@ -98,7 +98,7 @@ fn own_value(bench: &mut Bench<'_>) -> Judged {
     let entries = description.dictionary.entries().filter(|(at, entry)| is_parameter(*at, entry));
     let objects: Vec<Multiplexer> = entries.map(|(at, _)| at).collect();
     if objects.is_empty() {
-        return Err(nothing("a writable communication parameter", "none is described"));
+        return Err(nothing("a writable communication parameter", "none"));
     }
     bench.each(objects.clone(), rewrite)?;
     let switches: BTreeSet<Multiplexer> = objects
@@ -126,5 +126,5 @@ fn own_value(bench: &mut Bench<'_>) -> Judged {
 }
 
 fn nothing(expected: &str, actual: &str) -> Stop {
-    Stop::NotApplicable(Reason::new("the description names parameters to try", expected, actual))
+    Stop::NotApplicable(Reason::new("the description has a parameter for this case", expected, actual))
 }

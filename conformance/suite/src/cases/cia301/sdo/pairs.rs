@@ -21,7 +21,8 @@ struct Pair {
 }
 
 impl Pair {
-    /// All pairs of these forms. Each is on one object or on two, and on both if `all` is set.
+    /// All pairs of these forms. The two transfers of a pair use the same object or two objects; if `all` is set, each
+    /// pair occurs in both ways.
     fn all(forms: &[Form], all: bool, counts: impl Fn(Form, Form) -> bool) -> Vec<Self> {
         let firsts = forms.iter().flat_map(|form| form.ends().iter().map(|end| (*form, *end)));
         let seconds = |first| forms.iter().map(move |second| (first, *second));
@@ -65,7 +66,7 @@ fn block_pairs(bench: &mut Bench<'_>) -> Judged {
 fn every_pair(bench: &mut Bench<'_>, forms: &[Form], counts: impl Fn(Form, Form) -> bool) -> Judged {
     let mut subjects = Subjects::find(bench)?;
     let served = served(bench, &mut subjects, forms)?;
-    // Reads alone follow each other on a device that takes no value, too.
+    // Uploads alone could follow each other even on a device that accepts no download.
     tried(served.iter().filter(|form| form.is_download()).count(), "a kind of download that the server serves")?;
     let pairs = Pair::all(&served, bench.options().exhaustive, counts);
     let (begun, mut count) = (bench.now(), 0);
@@ -81,7 +82,7 @@ fn every_pair(bench: &mut Bench<'_>, forms: &[Form], counts: impl Fn(Form, Form)
         match judge_second(bench, &mut subjects, *pair) {
             Err(Stop::Breach(breach)) => {
                 bench.check(Err(breach))?;
-                // The next pair must not begin with the rest of this one.
+                // The next pair must not begin with the remains of this pair.
                 subjects.settle(bench)?;
             }
             other => other?,
@@ -99,7 +100,7 @@ fn served(bench: &mut Bench<'_>, subjects: &mut Subjects, forms: &[Form]) -> Res
     for form in allowed {
         let mut failed = failed(bench, subjects, form)?;
         if failed.is_some() {
-            // What an earlier transfer has left must not hide that this one is served.
+            // The remains of an earlier transfer must not hide that the server serves this one.
             bench.make_server_idle();
             bench.reset(Command::RESET_NODE)?;
             subjects.settle(bench)?;
@@ -110,7 +111,7 @@ fn served(bench: &mut Bench<'_>, subjects: &mut Subjects, forms: &[Form]) -> Res
             continue;
         };
         if matches!(breach.actual, Observation::Abort(_)) {
-            bench.note(format!("{form}: not served, so no pair has it"));
+            bench.note(format!("{form}: the server does not serve it, so no pair contains it"));
         } else {
             bench.check(Err(breach))?;
         }
@@ -119,7 +120,8 @@ fn served(bench: &mut Bench<'_>, subjects: &mut Subjects, forms: &[Form]) -> Res
     Ok(served)
 }
 
-/// The breach of a transfer on one object. The other one may have another length, and would already follow.
+/// The breach of a transfer on one object; `None` if the server serves it. A transfer on the other object, which may have
+/// another length, would already be the second of a pair.
 fn failed(bench: &mut Bench<'_>, subjects: &mut Subjects, form: Form) -> Result<Option<Box<Breach>>, Stop> {
     match bench.unjudged(|bench| subjects.complete(bench, form, 0)) {
         Err(Stop::Breach(breach)) => Ok(Some(breach)),
@@ -127,8 +129,8 @@ fn failed(bench: &mut Bench<'_>, subjects: &mut Subjects, form: Form) -> Result<
     }
 }
 
-/// Brings the first transfer to its end. A transfer that does not begin after the pair before is judged as the second
-/// of another pair.
+/// Brings the first transfer of a pair to its end; `false` if the first transfer fails. Other pairs, in which the same
+/// transfer is the second, judge such a failure.
 fn has_first(bench: &mut Bench<'_>, subjects: &mut Subjects, pair: Pair) -> Result<bool, Stop> {
     let (form, end) = pair.first;
     match bench.unjudged(|bench| subjects.end(bench, form, end, 0)) {

@@ -16,7 +16,8 @@ use canvass_analyzer::wire::sdo::{Abort, AbortCode, Request, Response};
 use canvass_bus::client::Violation;
 use canvass_bus::observation::Observation;
 
-/// Requires that the rest of a download is accepted after an ignored segment, if its toggle bit is right.
+/// Requires that the server, after it has ignored a segment, accepts the rest of the download with the right toggle
+/// bit.
 fn goes_on(bench: &mut Bench<'_>, scratch: &Scratch, toggle: bool, rest: &[u8]) -> Judged {
     let reply = bench.exchange(&segment(toggle, rest, true)?, "segment with the right toggle bit after a wrong one")?;
     reply.expect("its confirmation", |response| *response == Response::DownloadSegment { toggle })?;
@@ -24,8 +25,8 @@ fn goes_on(bench: &mut Bench<'_>, scratch: &Scratch, toggle: bool, rest: &[u8]) 
     bench.expect_value(scratch.multiplexer, &scratch.other, duty)
 }
 
-/// The first download segment has toggle bit 0. The server ignores a first segment with toggle bit 1, or refuses it with
-/// abort 0503 0000h; the object keeps its value, and if the server did not abort, the transfer can continue.
+/// The first download segment has toggle bit 0. The server ignores a first segment with toggle bit 1, or refuses it
+/// with abort 0503 0000h; the object keeps its value, and if the server did not abort, the transfer can continue.
 #[case(id = "301/sdo/download/segment-toggle", clause = "CiA 301 7.2.4.3.4", confidence = Cited, level = Must,
        needs = [ScratchObject, SegmentedDownload], catches = [SdoToggleUnchecked, SdoToggleWrongCode])]
 fn segment_toggle(bench: &mut Bench<'_>) -> Judged {

@@ -122,8 +122,8 @@ pub(super) struct Subjects {
 }
 
 impl Subjects {
-    /// Two objects that can be written, of different lengths if there are such, and an object of several segments. A
-    /// device with a single such object has both transfers there.
+    /// Two objects that can be written, if possible of different lengths, and an object of several segments. If the
+    /// device has only one object that can be written, both transfers use it.
     pub fn find(bench: &mut Bench<'_>) -> Result<Self, Stop> {
         let found = bench.scratch_objects()?;
         let Some(one) = found.first().cloned() else {
@@ -174,7 +174,7 @@ impl Subjects {
         Ok(true)
     }
 
-    /// Writes the value that the object does not hold, and reads it back.
+    /// Writes the other of the two values of an object, which the object does not hold now, and reads the object back.
     fn download(&mut self, bench: &mut Bench<'_>, form: Form, object: usize) -> Judged {
         let Scratch { multiplexer: at, value, other } = &self.scratch[object];
         let new = if self.held[object] == *value { other.clone() } else { value.clone() };
@@ -271,7 +271,7 @@ impl Subjects {
         }
     }
 
-    /// Makes the server abort the transfer. A server that does not is left to the client's abort.
+    /// Makes the server abort the transfer. If it does not, the client's abort ends the transfer.
     fn provoke(&self, bench: &mut Bench<'_>, form: Form, at: Multiplexer) -> Judged {
         let wrong = match form {
             Form::ExpeditedUpload => Request::upload(MISSING[0].0),
