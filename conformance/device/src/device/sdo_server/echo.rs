@@ -13,7 +13,7 @@ pub(super) struct ReceiveBuffer([u8; 8]);
 
 impl ReceiveBuffer {
     pub fn take(&mut self, frame: &Frame) {
-        self.0 = *frame.bytes();
+        self.0 = frame.bytes();
     }
 
     /// The bytes of an answer as the firmware sends them; `requests` is the number of requests so far.

@@ -13,7 +13,7 @@ mod upload;
 use super::chance::Chance;
 use super::objects::Objects;
 use crate::models::Timing;
-use crate::{Fault, Liberty};
+use crate::{Fault, Firmware, Liberty};
 use block_download::{BlockDownload, BlockDownloadEnd};
 use block_upload::BlockUpload;
 use canvass_analyzer::wire::Wire;
