@@ -816,9 +816,9 @@ pub enum Fault {
     /// 1005h does not exist, although TPDO 2 is synchronous.
     #[row(model = "kuebler-sendix-58x8", fuzz = Never(InDescription))]
     SyncObjectMissing,
-    /// TIME is sent although bit 30 of 1012h is 0.
+    /// Writing 0 to bit 30 of 1012h does not end TIME.
     #[row(fuzz = Never(TimeProduced))]
-    TimeProducedUnasked,
+    TimeNotStopped,
     /// The clock that TIME sets and the high resolution time stamp, 1013h, stand still.
     #[row(fuzz = Never(TimeConsumed))]
     ClockStands,

@@ -49,7 +49,8 @@ impl Clock {
     pub fn configure(&mut self, now: Timestamp, parameters: &Parameters, network: &Network, may_send: bool) {
         self.cob_id = CobId(parameters.number_or_zero(object::COB_ID_TIME, 0) as u32);
         self.consumes = network.time_consumer && self.cob_id.0 & CONSUMES != 0;
-        let is_asked = self.cob_id.0 & PRODUCES != 0 || self.firmware.has(Fault::TimeProducedUnasked);
+        let goes_on = self.period > Duration::ZERO && self.firmware.has(Fault::TimeNotStopped);
+        let is_asked = self.cob_id.0 & PRODUCES != 0 || goes_on;
         let period = network.time_period_ms.filter(|_| is_asked).unwrap_or(0);
         self.period = Duration::from_millis(period);
         self.restart(now, may_send);

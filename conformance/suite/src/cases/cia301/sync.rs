@@ -136,22 +136,32 @@ fn object_exists(bench: &mut Bench<'_>) -> Judged {
 }
 
 /// While bit 30 of 1005h is 0 the device produces no SYNC, whatever period 1006h holds.
+///
+/// A SYNC is the device's own only if none comes before 1006h holds a period, and none after it is 0 again.
 #[case(id = "301/sync/not-asked", clause = "CiA 301 7.5.2.5", confidence = Cited, level = Must,
-       needs = [Sync], catches = [SyncProducedUnasked])]
+       needs = [SyncProducer], catches = [SyncProducedUnasked])]
 fn not_asked(bench: &mut Bench<'_>) -> Judged {
-    if !bench.can_write(PERIOD)? {
-        let reason = Reason::new("the device has a SYNC period", "1006h", "absent or read-only");
-        return Err(Stop::NotApplicable(reason));
+    let own = bench.read_number(COB_ID)? & !PRODUCES;
+    let id = (own & 0x7FF) as u16;
+    bench.stop_sync_period()?;
+    for cob_id in [own | PRODUCES, own] {
+        bench.write(COB_ID, &cob_id.to_le_bytes())?;
     }
-    let own = bench.read_number(COB_ID)?;
-    if own & PRODUCES != 0 {
-        bench.write(COB_ID, &(own & !PRODUCES).to_le_bytes())?;
-    }
+    no_other_producer(bench, id, "before 1006h holds a period")?;
     bench.write(PERIOD, &PERIOD_US.to_le_bytes())?;
-    let heard = syncs(bench, (own & 0x7FF) as u16, 6)?;
+    let heard = syncs(bench, id, 6)?;
+    bench.write(PERIOD, &0_u32.to_le_bytes())?;
+    bench.listen(bench.timing().reaction)?;
+    no_other_producer(bench, id, "after 1006h is 0 again")?;
     bench.check(demand(heard.is_empty(), || {
         counted("without bit 30 of 1005h no SYNC is produced, in 300 ms", 0, Some(0), &heard)
     }))
+}
+
+fn no_other_producer(bench: &mut Bench<'_>, id: u16, when: &str) -> Judged {
+    let heard = syncs(bench, id, 6)?;
+    demand(heard.is_empty(), || counted(format!("no SYNC comes {when}, in 300 ms"), 0, Some(0), &heard))
+        .or_inconclusive()
 }
 
 /// The device produces SYNC in pre-operational and operational, but not in stopped.

@@ -4,7 +4,7 @@ use crate::bench::Bench;
 use crate::bench::sdo::number;
 use crate::case;
 use crate::situation::Situation;
-use crate::verdict::{Breach, Judged, Reason, Stop, demand};
+use crate::verdict::{Breach, Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::dictionary::{DataType, Entry};
 use canvass_analyzer::object;
 use canvass_analyzer::wire::nmt::Command;
@@ -129,19 +129,25 @@ fn produced(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// While bit 30 of 1012h is 0 the device sends no TIME.
-#[case(id = "301/time/not-asked", clause = "CiA 301 7.5.2.15", confidence = Cited, level = Must,
-       needs = [Time], catches = [TimeProducedUnasked])]
-fn not_asked(bench: &mut Bench<'_>) -> Judged {
+/// After bit 30 of 1012h was set back to 0 the device sends no TIME.
+#[case(id = "301/time/off", clause = "CiA 301 7.5.2.15", confidence = Cited, level = Must,
+       needs = [Time], catches = [TimeNotStopped])]
+fn off(bench: &mut Bench<'_>) -> Judged {
+    const SPAN: Duration = Duration::from_secs(5);
+    switch_on(bench, PRODUCES, "produces")?;
     let own = bench.read_number(COB_ID)?;
-    if own & PRODUCES != 0 {
-        bench.write(COB_ID, &(own & !PRODUCES).to_le_bytes())?;
-    }
-    bench.command(Command::START)?;
-    let heard = bench.frames_of((own & 0x7FF) as u16, Duration::from_secs(5))?;
-    bench.check(demand(heard.is_empty(), || {
+    let can_id = (own & 0x7FF) as u16;
+    let before = bench.frames_of(can_id, SPAN)?.len();
+    demand(before > 0, || {
+        Breach::new(COB_ID, "TIME comes within 5 s of bit 30").expected("TIME").found(Observation::Silence)
+    })
+    .or_inconclusive()?;
+    bench.write(COB_ID, &(own & !PRODUCES).to_le_bytes())?;
+    bench.listen(bench.timing().reaction)?;
+    let after = bench.frames_of(can_id, SPAN)?.len();
+    bench.check(demand(after == 0, || {
         let breach = Breach::new(COB_ID, "without bit 30 of 1012h no TIME is sent, in 5 s");
-        breach.expected(Observation::Silence).found(Observation::Count(heard.len() as u64))
+        breach.expected(Observation::Silence).found(Observation::Count(after as u64))
     }))
 }
 
