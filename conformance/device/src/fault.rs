@@ -1349,12 +1349,6 @@ pub enum Fault {
     /// During a block upload every new request is refused with abort 0504 0001h until the client aborts the upload.
     #[row(fuzz = Never(RequestInBlock))]
     SdoBlockUploadSurvivesRefusal,
-    /// Each SDO response is sent twice.
-    SdoAnsweredTwice,
-    /// An expedited download is confirmed by a copy of its request.
-    SdoWriteEchoed,
-    /// One of nine requests is returned in place of its answer, if it is an upload.
-    SdoReadEchoed,
     /// Each segment of a block download is sent back.
     SdoBlockSegmentsEchoed,
     /// The CRC of a block download is calculated over the unused bytes of the last segment, too.

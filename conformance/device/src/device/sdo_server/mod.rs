@@ -6,7 +6,6 @@
 mod block_download;
 mod block_upload;
 mod download;
-mod echo;
 mod history;
 mod upload;
 
@@ -21,7 +20,6 @@ use canvass_analyzer::wire::sdo::{AbortCode, BlockSegment, Expedited, Payload, R
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_traces::{CanId, Duration, Frame, Timestamp};
 use download::SegmentedDownload;
-use echo::ReceiveBuffer;
 use history::History;
 use std::collections::VecDeque;
 use upload::SegmentedUpload;
@@ -43,7 +41,6 @@ pub(super) struct SdoServer {
     /// Whether a block download with CRC has begun since boot-up.
     had_crc: bool,
     history: History,
-    received: ReceiveBuffer,
     /// The time until which a faulty firmware ignores requests.
     deaf_until: Timestamp,
     /// Whether a request was received since boot-up.
@@ -139,7 +136,6 @@ impl SdoServer {
             refused: None,
             had_crc: false,
             history: History::default(),
-            received: ReceiveBuffer::default(),
             deaf_until: Timestamp::ZERO,
             began: false,
             requests: 0,
@@ -188,14 +184,15 @@ impl SdoServer {
         if lost || self.wedged || now < self.deaf_until {
             return;
         }
-        self.received.take(frame);
         self.mix_up(frame, objects);
         let transfer = std::mem::replace(&mut self.transfer, Transfer::Idle);
         let next = match transfer {
             // A last segment with sequence number 0 has the command byte 80h, as an abort has.
             Transfer::BlockDownload(download) if frame.bytes()[0] != 0x80 => match BlockSegment::read(frame.data()) {
                 Ok(segment) => {
-                    self.answers.extend(self.received.echo(&objects.firmware).map(|echo| (now, echo, 8)));
+                    if !segment.last && objects.has(Fault::SdoBlockSegmentsEchoed) {
+                        self.answers.push_back((now, frame.bytes(), 8));
+                    }
                     download.on_segment(segment, &objects.firmware)
                 }
                 Err(_) => Next::silence(Transfer::BlockDownload(download)),
@@ -414,11 +411,7 @@ impl SdoServer {
         if firmware.has(Fault::SdoShortResponse) {
             len = used;
         }
-        let bytes = self.received.sent(&response, bytes, self.requests, firmware);
         self.answers.push_back((due, bytes, len));
-        if firmware.has(Fault::SdoAnsweredTwice) {
-            self.answers.push_back((due, bytes, len));
-        }
     }
 
     /// Replaces a value of four bytes by the bytes of a refused segment, in a firmware that has kept such bytes.

@@ -19,7 +19,7 @@ const ERROR_HISTORY: Index = Index(object::PREDEFINED_ERROR_FIELD);
 /// An object that has no value at the moment may be refused with abort 0800 0020h to 0800 0024h; an entry of an empty
 /// error history may also be refused with abort 0800 0000h.
 #[case(id = "301/dictionary/described", clause = "CiA 301 7.4.2", confidence = Cited, level = Must,
-       needs = [Description], catches = [ErrorRegisterMissing, EdsSubIndexMissing, EdsDataTypeWrong, IdentityRevisionMissing, SdoSegmentLengthWrong,
+       needs = [Description], catches = [ErrorRegisterMissing, SyncObjectMissing, EdsSubIndexMissing, EdsDataTypeWrong, IdentityRevisionMissing, SdoSegmentLengthWrong,
                   ErrorControlMissing, OperatingStatusMissing, AlarmsMissing, PositionSixteenBit,
                   OperatingParametersThirtyTwoBit], cct = "4.1")]
 fn described(bench: &mut Bench<'_>) -> Judged {

@@ -48,6 +48,9 @@ fn countable(bench: &mut Bench<'_>, transmission_type: u8) -> Result<u16, Stop> 
         return Ok(subject(bench, transmission_type)?.can_id);
     }
     bench.require_mapped(TPDO)?;
+    if let Err(why) = bench.can_write_all(&[TPDO_COB_ID, TPDO.parameter(2)])? {
+        return Err(Stop::NotApplicable(Reason::new("the transmission type of TPDO 1 can be set", "1800h", why)));
+    }
     if transmission_type <= 252 {
         bench.expect_plain_sync()?;
     }
