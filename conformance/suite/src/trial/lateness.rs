@@ -59,9 +59,13 @@ pub(crate) fn doubt(report: &CaseReport, bench: &Bench<'_>) -> Option<Reason> {
     let (timing, lateness) = (bench.timing(), promptness::lateness_of_run(bench));
     // An LSS answer does not name its request: the bench takes a late one for the answer to the next request.
     let is_mistaken = |breach: &Breach| matches!(breach.subject, Subject::Service(Service::Lss | Service::Lmt));
-    let by_lateness = |Ruled { breach, .. }: &Ruled| lateness_needed(breach, &timing).is_some() || is_mistaken(breach);
+    let by_lateness = |Ruled { breach, .. }: &Ruled| match lateness_needed(breach, &timing) {
+        // A short lateness explains a time that is only a little beside its limits.
+        Some(needed) => lateness >= needed.min(HOST_LATE),
+        None => lateness >= HOST_LATE && is_mistaken(breach),
+    };
     let mut failures = report.verdict.breaches().iter().filter(|ruled| ruled.kind() == Kind::Fail);
-    if lateness < HOST_LATE || !failures.all(by_lateness) {
+    if lateness == Duration::ZERO || !failures.all(by_lateness) {
         return None;
     }
     let usual = bench.knowledge.usual_answer();
