@@ -278,7 +278,8 @@ impl Args {
 /// The exit status. Violations take precedence over a failure of the bus: they stay true. A violation that did not come
 /// back may be a disturbance, unless it could not be repeated.
 fn status(run: &Run, unconfirmed: bool) -> Status {
-    let counts = |found: &Found| found.confirmed || found.is_cut_off || unconfirmed;
+    let is_repeated = |found: &Found| !found.is_cut_off && !found.repetitions.is_empty();
+    let counts = |found: &Found| found.confirmed || !is_repeated(found) || unconfirmed;
     match &run.outcome {
         outcome if outcome.violations.iter().any(counts) || outcome.dead => Status::Findings,
         outcome if outcome.ended_by.is_some() => Status::Unreachable,

@@ -89,7 +89,12 @@ impl Campaign<'_> {
                     false => (Found { repetitions: proved.repetitions, ..seen }, None),
                 }
             }
-            Confirmed::No => (seen, None),
+            Confirmed::No if !stand.is_repeatable() && self.plan.time.is_over() => (seen, None),
+            Confirmed::No => {
+                let came = "no violation of this kind".to_owned();
+                let repetitions = vec![Repetition { replay: Replay::Answers, shows: false, came }];
+                (Found { repetitions, ..seen }, None)
+            }
             Confirmed::Lost(lost, dead) => (seen, Some((lost, dead))),
         };
         let is_swift = lost.is_none() && pace == Pace::Swift;

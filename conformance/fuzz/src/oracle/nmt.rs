@@ -151,6 +151,11 @@ impl Slave {
         self.toggle = None;
     }
 
+    /// Whether the device may leave operational and enter it again by itself, because of an error.
+    pub(crate) const fn has_error(&self) -> bool {
+        self.kept_by_error.is_some()
+    }
+
     /// Whether the device was certainly not operational before the last change.
     pub(crate) fn comes_from_rest(&self) -> bool {
         !matches!(self.before, Phase::Operational | Phase::Running | Phase::Unsure)
@@ -245,7 +250,15 @@ impl Slave {
             return Change::None;
         }
         let change = match message.command {
-            Command::START => self.enter(now, self.kept_by_error.unwrap_or(Phase::Operational)),
+            Command::START => match self.kept_by_error {
+                Some(phase) => {
+                    // The device may be operational again, so that timers begin anew.
+                    self.enter(now, phase);
+                    self.changed = now;
+                    Change::State
+                }
+                None => self.enter(now, Phase::Operational),
+            },
             Command::STOP => self.enter(now, Phase::Stopped),
             Command::ENTER_PRE_OPERATIONAL => self.enter(now, Phase::PreOperational),
             Command::RESET_NODE => Change::Reset(Extent::Node),

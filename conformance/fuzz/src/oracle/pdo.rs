@@ -421,7 +421,7 @@ impl Seen {
             return within(judged, least, Duration(u64::MAX));
         }
         match parameters.period() {
-            Some(period) if interval > late(period, jitter) + lag => {
+            Some(period) if !nmt.has_error() && interval > late(period, jitter) + lag => {
                 let judged = wrong("event timer", format!("the TPDO every {period}"), format!("after {interval}"));
                 within(judged, Duration::ZERO, late(period, jitter) + lag)
             }
