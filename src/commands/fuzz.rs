@@ -1,6 +1,8 @@
 //! `canvass fuzz`: sends sequences of frames to a device and checks the properties.
 
+mod corpus;
 mod device;
+mod earlier;
 mod progress;
 mod regressions;
 mod reproducers;
@@ -18,7 +20,7 @@ use crate::status::{Failure, Status};
 use crate::whole_file::WholeFile;
 use anyhow::anyhow;
 use canvass_analyzer::NodeId;
-use canvass_fuzzer::campaign::{self, Outcome, Plan};
+use canvass_fuzzer::campaign::{self, Found, Outcome, Plan};
 use canvass_fuzzer::coverage::{LssReach, SdoReach};
 use canvass_fuzzer::time_limit::TimeLimit;
 use canvass_fuzzer::{Knowledge, Targets};
@@ -28,8 +30,8 @@ use canvass_suite::identity;
 use canvass_suite::touch::Touch;
 use canvass_traces::Duration;
 use device::Device;
+use earlier::Earlier;
 use progress::Progress;
-use regressions::Regressions;
 use std::path::PathBuf;
 use std::time::Instant;
 
@@ -76,7 +78,14 @@ pub struct Args {
     /// A file of sequences that showed violations: it is replayed first, and new ones are appended
     #[arg(long, value_name = "FILE")]
     regressions: Option<PathBuf>,
-    /// A folder for a candump log of each violation, for --replay and canplayer; it is created if it does not exist
+    /// A folder of sequences that is kept between runs: they are tried first, after those that showed violations, and
+    /// new ones are added. Takes the place of --regressions
+    #[arg(long, value_name = "DIR", conflicts_with_all = ["replay", "regressions"])]
+    corpus_dir: Option<PathBuf>,
+    /// Exit with status 1 also for violations that did not come back
+    #[arg(long)]
+    unconfirmed: bool,
+    /// A folder for a candump log and a pytest of each violation; it is created if it does not exist
     #[arg(long, value_name = "DIR")]
     reproducers: Option<PathBuf>,
     #[command(flatten)]
@@ -98,11 +107,11 @@ impl Args {
         let simulated = device.is_simulated();
         let allow = touches(&self.allow);
         let knowledge = device.knowledge().clone();
-        let regressions = match (&self.replay, &self.regressions) {
-            (Some(path), _) => Regressions::replay(path, &knowledge, &allow)?,
-            (None, Some(path)) => Regressions::open(path, &knowledge, &allow)?,
-            (None, None) => Regressions::default(),
+        let earlier = match &self.replay {
+            Some(path) => Earlier::replayed(path, &knowledge, &allow)?,
+            None => Earlier::open(self.corpus_dir.clone(), self.regressions.clone(), &knowledge, &allow)?,
         };
+        let (regressions, corpus) = earlier.sequences();
         let interrupt = Interrupt::watch()?;
         let span = self.span(simulated);
         let mut plan = Plan {
@@ -115,20 +124,20 @@ impl Args {
             },
             time: TimeLimit { ends: None, cancelled: interrupt.flag() },
             stop_at_first: self.stop_at_first,
-            regressions: regressions.sequences.clone(),
+            regressions,
             only_regressions: self.replay.is_some(),
+            corpus,
         };
         self.resolve(&mut provenance, &mut device, &plan, span)?;
         let before = device.zero_point();
         // The time limit starts here, after the first questions to the device.
         plan.time.ends = self.ends(span, simulated);
         let outcome = self.fuzz(&mut device, &knowledge, &plan, span, &interrupt)?;
-        let kept = match &self.regressions {
-            Some(path) => regressions.append(path, &outcome.violations, seed),
-            None => Ok(()),
-        };
-        let kept = kept
-            .and(self.reproducers.as_deref().map_or(Ok(()), |dir| reproducers::write(dir, &outcome.violations, seed)));
+        let kept = earlier.keep(&outcome, seed).and(
+            self.reproducers
+                .as_deref()
+                .map_or(Ok(()), |dir| reproducers::write(dir, &outcome.violations, knowledge.node, seed)),
+        );
         let moved = before.and_then(|before| before.moved(&device.zero_point()?));
         let run = Run { zero_point: moved, ..self.result(&device, provenance.0, &plan, outcome, interrupt.came()) };
         let printed = print(&run, of_stdout);
@@ -137,7 +146,7 @@ impl Args {
         printed?;
         kept?;
         reported.into_iter().collect::<Result<(), _>>()?;
-        Ok(status(&run))
+        Ok(status(&run, self.unconfirmed))
     }
 
     /// The provenance, as far as it is known before the first frame is sent.
@@ -185,7 +194,7 @@ impl Args {
     /// The latest time at which shortening ends: the time limit of the run and, on a simulated bus, 3 s more, as each
     /// try costs almost no time there.
     fn ends(&self, span: Option<Duration>, simulated: bool) -> Option<Instant> {
-        let more = if simulated { Duration::from_secs(3) } else { Duration::ZERO };
+        let more = if simulated { Duration::from_secs(1) } else { Duration::ZERO };
         Some(Instant::now() + std::time::Duration::from(span? + more))
     }
 
@@ -266,10 +275,13 @@ impl Args {
     }
 }
 
-/// The exit status. Violations take precedence over a failure of the bus: they stay true.
-fn status(run: &Run) -> Status {
+/// The exit status. Violations take precedence over a failure of the bus: they stay true. A violation that did not come
+/// back may be a disturbance, unless it could not be repeated.
+fn status(run: &Run, unconfirmed: bool) -> Status {
+    let is_repeated = |found: &Found| !found.is_cut_off && !found.repetitions.is_empty();
+    let counts = |found: &Found| found.confirmed || !is_repeated(found) || unconfirmed;
     match &run.outcome {
-        outcome if !outcome.violations.is_empty() => Status::Findings,
+        outcome if outcome.violations.iter().any(counts) || outcome.dead => Status::Findings,
         outcome if outcome.ended_by.is_some() => Status::Unreachable,
         _ if run.cancelled => Status::Findings,
         _ => Status::Good,

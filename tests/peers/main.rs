@@ -16,6 +16,8 @@ mod cantools;
 #[cfg(test)]
 mod extension;
 #[cfg(test)]
+mod fuzz_pytest;
+#[cfg(test)]
 mod junit;
 #[cfg(test)]
 mod kept;

@@ -122,14 +122,14 @@ fn properties_are_listed_and_explained() {
     let listed = run(&["list", "properties", "--format", "json"]);
     let listed: Value = serde_json::from_str(&listed.stdout).unwrap();
     let ids: Vec<&str> = listed.as_array().unwrap().iter().map(|row| row["id"].as_str().unwrap()).collect();
-    assert_eq!((ids.len(), ids[0], ids[15]), (16, "PROP-01", "PROP-16"));
+    assert_eq!((ids.len(), ids[0], ids[16]), (17, "PROP-01", "PROP-17"));
     for id in ids {
         assert!(run(&["explain", id]).stdout.starts_with(id));
     }
     assert!(run(&["explain", "PROP-05"]).stdout.contains("abort"));
 }
 
-/// Each violation gets a file that reproduces it.
+/// Each violation gets files that reproduce it: a log, and a test for pytest with the same frames.
 #[test]
 fn reproducers_are_files_of_their_own() {
     let folder = tempfile::tempdir().unwrap();
@@ -150,13 +150,23 @@ fn reproducers_are_files_of_their_own() {
         "json",
     ]);
     assert_eq!(fuzzed.status, 1, "{}", fuzzed.stderr);
-    let files: Vec<_> = std::fs::read_dir(&kept).unwrap().map(|entry| entry.unwrap().path()).collect();
+    let mut files: Vec<_> = std::fs::read_dir(&kept).unwrap().map(|entry| entry.unwrap().path()).collect();
+    files.retain(|file| file.extension().is_some_and(|extension| extension == "log"));
     let result: serde_json::Value = serde_json::from_str(&fuzzed.stdout).unwrap();
     assert_eq!(files.len(), result["violations"].as_array().unwrap().len(), "{files:?}");
     let file = files[0].display().to_string();
     assert!(file.contains("prop-") && file.ends_with("-seed1.log"), "{file}");
     let again = run(&["fuzz", bus, "--replay", &file]);
     assert_eq!(again.status, 1, "{}{}", again.stdout, again.stderr);
+    let violation = &result["violations"][0];
+    let test = format!("test_{}_seed1.py", violation["id"].as_str().unwrap().replace('-', "_"));
+    assert_eq!(std::fs::read_to_string(kept.join(test)).unwrap(), violation["pytest"].as_str().unwrap());
+    let log = std::fs::read_to_string(&files[0]).unwrap();
+    for seen in violation["evidence"].as_array().unwrap() {
+        assert!(log.contains(seen["data"].as_str().unwrap()), "the log has the frames of both sides: {log}");
+    }
+    let repetitions = violation["repetitions"].as_array().unwrap();
+    assert!(repetitions.len() >= 3 && repetitions.iter().all(|one| one["shows"] == true), "{repetitions:?}");
 }
 
 #[test]
@@ -191,4 +201,29 @@ fn a_zero_point_that_a_sequence_has_moved_is_told_with_how_to_set_it_right() {
     assert!(text.contains("give 6003h:00 that value minus 307"), "{text}");
     std::fs::write(&log, "(0.000000) can0 63F#4000100000000000\n").unwrap();
     assert_eq!(json(&fuzz(&["--format", "json"]))["zero_point"], Value::Null);
+}
+
+/// A corpus is kept between runs: the next run begins with what the last has reached, and with what showed violations.
+#[test]
+fn a_corpus_is_kept_between_runs() {
+    let folder = tempfile::tempdir().unwrap();
+    let corpus = folder.path().join("corpus").display().to_string();
+    let fuzz = |bus: &str, seed: &str, runs: &str| {
+        run(&["fuzz", bus, "--seed", seed, "--runs", runs, "--corpus-dir", &corpus, "--format", "json"])
+    };
+    let reached = |run: &Run| json(run)["coverage"]["sdo"]["reached"].as_u64().unwrap();
+    let first = fuzz(HEALTHY, "1", "200");
+    assert_eq!(first.status, 0, "{}", first.stderr);
+    let files = || std::fs::read_dir(&corpus).unwrap().count();
+    let kept = files();
+    assert!(kept > 10, "{kept}");
+    // As many sequences as the corpus has reach as much as the whole first run.
+    let again = fuzz(HEALTHY, "2", &kept.to_string());
+    assert!(reached(&again) >= reached(&first), "{} of {}", reached(&again), reached(&first));
+    assert!(files() <= kept, "{} of {kept}", files());
+    let broken = fuzz(FAULTY, "3", "400");
+    assert_eq!(broken.status, 1, "{}", broken.stderr);
+    assert!(std::path::Path::new(&corpus).join("regressions.log").exists());
+    // The first sequence is the one that showed the violation.
+    assert_eq!(json(&fuzz(FAULTY, "4", "1"))["violations"][0]["rule"], json(&broken)["violations"][0]["rule"]);
 }

@@ -31,6 +31,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
         stop_at_first: false,
         regressions: Vec::new(),
         only_regressions: false,
+        corpus: Vec::new(),
     };
     let reach = SdoReach::of(&knowledge);
     let mut opened = canvass_device::address::open(bus)?;

@@ -103,6 +103,7 @@ fn fuzz(model: &'static Model, seed: u64, exchanges: u64) -> Result<Judged, Box<
         stop_at_first: true,
         regressions: Vec::new(),
         only_regressions: false,
+        corpus: Vec::new(),
     };
     let outcome = match campaign::run(&mut stand, knowledge, &plan, &mut |progress| progress.executions < exchanges) {
         Ok(outcome) => outcome,

@@ -1,5 +1,8 @@
 //! A run of the fuzzer: sequences until its time is over. Each violation is reported once, with a short sequence.
 
+mod corpus;
+mod found;
+mod proof;
 mod shortening;
 mod violations;
 
@@ -15,11 +18,12 @@ use super::spent::{Cause, Spent};
 use super::stand::TestStand;
 use super::stimulus::{Sequence, Then};
 use super::time_limit::TimeLimit;
-use super::{Kept, Knowledge, Property};
+use super::{Defect, Knowledge};
 use canvass_analyzer::wire::lss;
 use canvass_bus::{Bus, BusError, Interruptions};
 use canvass_suite::touch::Touch;
 use canvass_traces::{Duration, Record, Timestamp};
+pub use found::{Found, Repetition, Replay};
 use proptest::strategy::Strategy;
 use proptest::test_runner::{Config, RngAlgorithm, TestRng, TestRunner};
 use shortening::Shortening;
@@ -47,25 +51,8 @@ pub struct Plan {
     pub regressions: Vec<Sequence>,
     /// Run only the regressions.
     pub only_regressions: bool,
-}
-
-/// A violation with the shortest sequence that shows it.
-#[derive(Clone, Debug)]
-pub struct Found {
-    /// The violated property, the expected and the actual behaviour.
-    pub violation: Violation,
-    /// The shortest sequence found that shows the violation.
-    pub sequence: Sequence,
-    /// All frames on the bus during the sequence, including the device's.
-    pub evidence: Vec<Record>,
-    /// Whether the violation came again when the sequence was repeated from power-on. If not, sequence and evidence are
-    /// those of its only occurrence.
-    pub confirmed: bool,
-    /// Objects without their power-on values when the violation was seen: neither a reset nor a write had restored
-    /// them. These objects are also changed when the sequence is repeated.
-    pub state: Vec<Kept>,
-    /// Whether the bus was lost before the sequence could be repeated.
-    pub is_cut_off: bool,
+    /// Sequences of earlier runs that reached much, tried after the regressions.
+    pub corpus: Vec<Sequence>,
 }
 
 /// The state of a run, reported after each sequence.
@@ -109,6 +96,8 @@ pub struct Outcome {
     pub left: Option<FinalState>,
     /// All violations, one for each rule.
     pub violations: Vec<Found>,
+    /// The sequences that reached a combination of state and command before all others, in the order of the run.
+    pub corpus: Vec<Sequence>,
     /// Number and duration of interruptions of the connection to the bus.
     pub interruptions: Option<Interruptions>,
     /// Why the run ended early: the bus did not come back, or failed otherwise.
@@ -156,7 +145,9 @@ pub fn run(
     let mut campaign = Campaign {
         executor: Executor::new(Arc::clone(&knowledge), plan.time.clone()),
         seen: BTreeMap::new(),
+        times: BTreeMap::new(),
         violations: Vec::new(),
+        corpus: Vec::new(),
         sequences: 0,
         dead: false,
         is_simulated: stand.is_repeatable(),
@@ -165,6 +156,7 @@ pub fn run(
         begun: stand.bus().now(),
         unshortened: VecDeque::new(),
         shortened_for: Duration::ZERO,
+        is_prelude_clean: true,
         unrepeated: None,
         interruptions: None,
         ended_by: None,
@@ -223,9 +215,13 @@ pub fn replay(
 
 struct Campaign<'a> {
     executor: Executor,
-    /// The violations seen so far, by property and rule. Each of them is reported only once.
-    seen: BTreeMap<(Property, &'static str), Standing>,
+    /// The violations seen so far. Each defect is reported only once.
+    seen: BTreeMap<Defect, Standing>,
+    /// Number of sequences that have shown each defect, without repetitions.
+    times: BTreeMap<Defect, u64>,
     violations: Vec<Found>,
+    /// The sequences that reached something new.
+    corpus: Vec<Sequence>,
     sequences: u64,
     dead: bool,
     is_simulated: bool,
@@ -238,6 +234,8 @@ struct Campaign<'a> {
     unshortened: VecDeque<Shortening>,
     /// Time spent on shortening so far.
     shortened_for: Duration,
+    /// Whether the frames before each repetition showed no violation when the run began.
+    is_prelude_clean: bool,
     /// The violation that is being repeated.
     unrepeated: Option<Unrepeated>,
     interruptions: Option<Interruptions>,
@@ -264,6 +262,7 @@ impl Campaign<'_> {
         knowledge: &Arc<Knowledge>,
         go_on: &mut dyn FnMut(Progress<'_>) -> bool,
     ) -> Result<(), BusError> {
+        self.try_prelude(stand)?;
         for sequence in &self.plan.regressions {
             // Each of these few sequences has shown a violation before: the careful pace excludes late answers to other
             // frames.
@@ -286,6 +285,9 @@ impl Campaign<'_> {
         };
         let reach = LssReach::of(&knowledge.services, dialogues.unconfigured, &self.plan.allow);
         let pace = if stand.is_repeatable() { Pace::Careful } else { Pace::Swift };
+        if self.run_corpus(stand, pace, go_on)? {
+            return Ok(());
+        }
         let mut runner = TestRunner::new_with_rng(Config::default(), rng(self.plan.seed));
         let refocus = if stand.is_repeatable() { REFOCUS } else { REFOCUS_LIVE };
         // A combination that was tried but not reached waits for its next turn: the device may never reach it.
@@ -307,7 +309,7 @@ impl Campaign<'_> {
                 keep_to_share(&mut sequence, &self.executor.tally.spent);
                 tree = SequenceTree::new(sequence);
             }
-            self.attempt(stand, tree, pace)?;
+            self.attempt_new(stand, tree, pace)?;
             if self.is_over(go_on) {
                 return Ok(());
             }
@@ -349,9 +351,10 @@ impl Campaign<'_> {
             Ended::Well => Ok(()),
             Ended::Violation(violation) => {
                 let before = self.executor.tally.spent;
+                *self.times.entry(violation.defect()).or_default() += 1;
                 let tree = match self.executor.is_between() {
                     true => SequenceTree::new(self.executor.history.since_sequence()),
-                    false => tree,
+                    false => SequenceTree::new(self.executor.sent_of(tree.tried())),
                 };
                 let judged = self.judge(stand, tree, violation, pace);
                 self.spent_on_violations += self.executor.tally.spent.since(&before);
@@ -374,7 +377,12 @@ impl Campaign<'_> {
         !go_on(progress) || self.plan.time.is_over() || enough || self.dead || self.violations.len() >= MOST_VIOLATIONS
     }
 
-    fn outcome(self) -> Outcome {
+    fn outcome(mut self) -> Outcome {
+        for found in &mut self.violations {
+            let defect = found.violation.defect();
+            let tolerated = self.executor.known.times(&defect);
+            found.times = self.times.get(&defect).copied().unwrap_or_default().max(1) + tolerated;
+        }
         Outcome {
             executions: self.executor.tally.executions,
             frames: self.executor.tally.frames,
@@ -387,6 +395,7 @@ impl Campaign<'_> {
             spent_on_violations: self.spent_on_violations,
             coverage: self.executor.tally.coverage,
             violations: self.violations,
+            corpus: self.corpus,
             interruptions: self.interruptions,
             ended_by: self.ended_by,
         }

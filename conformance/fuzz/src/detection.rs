@@ -98,6 +98,7 @@ pub fn fuzz(
         stop_at_first: true,
         regressions: Vec::new(),
         only_regressions: false,
+        corpus: Vec::new(),
     };
     campaign::run(&mut stand, knowledge, &plan, &mut |progress| go_on(progress.executions))
 }

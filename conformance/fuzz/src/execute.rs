@@ -10,7 +10,7 @@ mod tests;
 mod waits;
 
 use super::baseline::{self, Kept};
-use super::oracle::{Oracle, Violation};
+use super::oracle::{Oracle, Symptom, Violation};
 use super::property::Property;
 use super::spent::Cause;
 use super::stand::{Readiness, TestStand, wait_for_boot_up};
@@ -40,9 +40,19 @@ pub(super) struct Executor {
     pub history: History,
     pub known: KnownViolations,
     condition: Condition,
+    course: Course,
     waits: Waits,
     requests: Requests,
     time: TimeLimit,
+}
+
+/// The frames of the last sequence that were sent.
+#[derive(Debug, Default)]
+struct Course {
+    /// Number of stimuli of the sequence.
+    stimuli: usize,
+    /// The frames after the sequence, which find its effects.
+    added: Vec<Stimulus>,
 }
 
 /// The condition of the device between two sequences.
@@ -183,6 +193,7 @@ impl Executor {
             history: History::default(),
             known: KnownViolations::default(),
             condition: Condition { left: Left::Unknown, in_a_row: 0, kept: Vec::new(), is_between: false },
+            course: Course::default(),
             waits: Waits::new(knowledge.patience.quiet),
             requests: Requests::new(knowledge.node),
             time,
@@ -228,6 +239,7 @@ impl Executor {
         keep: bool,
     ) -> Result<Ended, BusError> {
         self.history.keep = keep;
+        self.course = Course::default();
         self.waits.begin(pace);
         self.condition.is_between = false;
         let goes_on =
@@ -382,6 +394,18 @@ impl Executor {
         self.waits.trusts.is_in_order(property)
     }
 
+    /// Number of stimuli of the last sequence that were sent, and the frames that were sent after the sequence to find
+    /// its effects.
+    pub fn sent(&self) -> (usize, &[Stimulus]) {
+        (self.course.stimuli, &self.course.added)
+    }
+
+    /// The part of the last sequence that was sent until its violation came.
+    pub fn sent_of(&self, sequence: &Sequence) -> Sequence {
+        let stimuli = sequence.stimuli.iter().take(self.course.stimuli).copied().collect();
+        Sequence { stimuli, ..sequence.clone() }
+    }
+
     /// Objects that the last start has not brought back to their power-on values.
     pub fn kept(&self) -> &[Kept] {
         &self.condition.kept
@@ -404,7 +428,11 @@ impl Executor {
             rule,
             expected: expected.to_owned(),
             actual: actual.to_owned(),
+            abort: None,
+            interval: None,
             is_silence: false,
+            symptom: Symptom::Dead,
+            state: self.oracle.state(),
             at: self.history.last(),
         }
     }
@@ -412,6 +440,7 @@ impl Executor {
     fn steps(&mut self, stand: &mut dyn TestStand, sequence: &Sequence) -> Result<(), Stop> {
         let is_live = stand.bus().is_live();
         for (at, stimulus) in sequence.stimuli.iter().enumerate() {
+            self.course.stimuli = at + 1;
             if is_live && activates(&stimulus.frame) {
                 continue;
             }
@@ -419,8 +448,11 @@ impl Executor {
             let next = sequence.stimuli.get(at + 1);
             self.waits.followed = shows_late(&stimulus.frame)
                 || next.is_some_and(|next| next.frame.id() == stimulus.frame.id() && !stimulus.frame.is_remote());
-            match self.step(stand, stimulus) {
+            let is_probe = next.is_none() && stimulus.frame == self.requests.probe && self.may_probe();
+            let judged = if is_probe { self.probe_by(stand, stimulus) } else { self.step(stand, stimulus) };
+            match judged {
                 Err(Stop::Violation(violation)) if self.is_tolerated(stand, &violation) => {
+                    self.known.count(&violation);
                     if !self.recover(stand)? {
                         return Err(violation.into());
                     }
@@ -443,10 +475,17 @@ impl Executor {
         if self.waits.pace == Pace::Swift {
             for frame in self.oracle.brings_to_rest() {
                 self.waits.followed = shows_late(&frame);
-                self.step(stand, &Stimulus::settle(frame))?;
+                self.add(stand, frame)?;
             }
         }
         self.probe(stand)
+    }
+
+    /// Sends a frame that is not part of the sequence, and judges the answer.
+    fn add(&mut self, stand: &mut dyn TestStand, frame: Frame) -> Result<(), Stop> {
+        let stimulus = Stimulus::settle(frame);
+        self.course.added.push(stimulus);
+        self.step(stand, &stimulus)
     }
 
     /// PROP-01: 1000h can be read after any sequence.
@@ -457,10 +496,22 @@ impl Executor {
         }
         if self.oracle.is_in_blocks() {
             // In a block download a request to read can't be distinguished from a segment.
-            self.step(stand, &Stimulus::settle(self.requests.abort))?;
+            self.add(stand, self.requests.abort)?;
         }
+        let probe = Stimulus::settle(self.requests.probe);
+        self.course.added.push(probe);
+        self.probe_by(stand, &probe)
+    }
+
+    /// Whether a request to read must be answered, and can't be taken for the segment of a block.
+    fn may_probe(&self) -> bool {
+        self.oracle.serves_sdo() && !self.oracle.is_in_blocks()
+    }
+
+    /// Reads 1000h by this stimulus. Silence means that the server can't be read any more.
+    fn probe_by(&mut self, stand: &mut dyn TestStand, stimulus: &Stimulus) -> Result<(), Stop> {
         self.waits.probing = true;
-        let answered = self.step(stand, &Stimulus::settle(self.requests.probe));
+        let answered = self.step(stand, stimulus);
         self.waits.probing = false;
         match answered {
             Err(Stop::Violation(violation)) if violation.is_silence => {

@@ -247,6 +247,13 @@ impl Knowledge {
         acting == Some(Acting::MovesZeroPoint)
     }
 
+    /// Whether writing the object stores or restores parameters: 1010h, 1011h, or the object that stores node-ID and
+    /// bit rate. The device may be silent for some time after it.
+    pub(crate) fn stores(&self, at: Multiplexer) -> bool {
+        matches!(at.index.0, object::STORE_PARAMETERS | object::RESTORE_DEFAULT_PARAMETERS)
+            || self.services.bus_save_object == Some(at)
+    }
+
     /// Whether the dictionary contains the index.
     pub fn has_index(&self, at: Multiplexer) -> bool {
         let first = self.entries.partition_point(|known| known.at.index < at.index);

@@ -67,10 +67,10 @@ properties! {
     /// Heartbeats and guarding answers show the NMT state that follows from the NMT commands, and heartbeats come in
     /// time.
     NmtState = "PROP-08" "the NMT state follows the commands",
-    /// The device sends PDOs, SYNC and TIME only with their configured CAN-IDs. PDOs are sent only in operational, with
-    /// the length of their mapping, and not faster than their inhibit time and event timer allow. The device refuses
-    /// configurations that CiA 301 forbids: a new CAN-ID for a valid PDO, restricted CAN-IDs, reserved transmission
-    /// types, changes of an enabled mapping, and mappings of more than 64 bits.
+    /// The device sends PDOs only with their configured CAN-IDs, only in operational, with the length of their mapping,
+    /// and not faster than their inhibit time and event timer allow. The device refuses configurations that CiA 301
+    /// forbids: a new CAN-ID for a valid PDO, restricted CAN-IDs, reserved transmission types, changes of an enabled
+    /// mapping, and mappings of more than 64 bits.
     Pdo = "PROP-09" "PDOs as configured",
     /// The LSS slave answers exactly as CiA 305 demands in its state, even if requests are interleaved with other
     /// frames.
@@ -85,6 +85,9 @@ properties! {
     /// After a reset every object that was not stored has its power-on value again, so that a sequence has no lasting
     /// effect. Reset node restores all objects, reset communication those from 1000h to 1FFFh.
     Restored = "PROP-14" "a reset brings the values back",
+    /// The device sends SYNC and TIME only as their producer (bit 30 of 1005h and of 1012h), and EMCY only while 1014h is
+    /// valid.
+    Produced = "PROP-17" "SYNC, TIME and EMCY as configured",
     /// The first reset after every sequence restarts the device, with a boot-up message if the device sends one. A
     /// device that needs another reset or a power cycle has stopped working.
     Alive = "PROP-16" "a reset brings the device back",
@@ -159,6 +162,6 @@ mod tests {
             assert_eq!(property.id().to_lowercase().parse(), Ok(property));
             assert!(!property.explanation().trim().is_empty());
         }
-        assert!("PROP-17".parse::<Property>().is_err());
+        assert!("PROP-18".parse::<Property>().is_err());
     }
 }

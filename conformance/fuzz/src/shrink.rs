@@ -1,6 +1,6 @@
 //! Makes a sequence shorter as long as it still shows the violation.
 //!
-//! Most violations need only the last frames, so these are tried first: one, two, four and so on. These tries take the
+//! Most violations need only the last frames, so these are tried first: none, one, two, four and so on. These tries take the
 //! least time. Then all pauses are removed at once, so that later tries take less time. Then stretches of frames are
 //! removed, from half of the sequence down to single frames, until no single frame can be left out. Then stretches are
 //! replaced by waits, as their only effect may have been to take time. Last, the frames are made plainer, all at once
@@ -62,7 +62,7 @@ enum ShrinkStep {
 impl SequenceTree {
     /// A tree for a sequence whose simpler variants are to be tried.
     pub fn new(sequence: Sequence) -> Self {
-        Self { best: sequence, variant: None, step: ShrinkStep::Last { length: 1 }, progress: false }
+        Self { best: sequence, variant: None, step: ShrinkStep::Last { length: 0 }, progress: false }
     }
 
     /// The simplest sequence that is known to show the violation.
@@ -155,6 +155,7 @@ impl SequenceTree {
     fn next_step(&mut self) -> ShrinkStep {
         let len = self.best.stimuli.len();
         match self.step {
+            ShrinkStep::Last { length: 0 } => ShrinkStep::Last { length: 1 },
             ShrinkStep::Last { length } if length * 2 < len => ShrinkStep::Last { length: length * 2 },
             ShrinkStep::Last { .. } => ShrinkStep::NoPauses,
             ShrinkStep::NoPauses => ShrinkStep::Remove { length: len.div_ceil(2).max(1), from: 0 },
@@ -168,7 +169,7 @@ impl SequenceTree {
                 ShrinkStep::Remove { length: length.div_ceil(2), from: 0 }
             }
             ShrinkStep::Remove { .. } | ShrinkStep::Wait { length: ..=1, .. } if self.progress => self.restart(),
-            ShrinkStep::Remove { .. } => ShrinkStep::Wait { length: len.div_ceil(2).max(1), from: 0 },
+            ShrinkStep::Remove { .. } => ShrinkStep::Wait { length: len.saturating_sub(1).max(1), from: 0 },
             ShrinkStep::Wait { length: ..=1, .. } => ShrinkStep::Plain,
             ShrinkStep::Plain => ShrinkStep::Settle { at: 0 },
             ShrinkStep::Wait { length, .. } => ShrinkStep::Wait { length: length.div_ceil(2), from: 0 },

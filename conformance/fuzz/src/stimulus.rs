@@ -2,6 +2,9 @@
 
 use canvass_traces::{Duration, Frame};
 
+/// The pause in a log after a frame that the device gets time to answer.
+pub(crate) const SETTLE: Duration = Duration::from_millis(100);
+
 /// A frame and the wait after it.
 #[derive(Clone, Copy, PartialEq, Debug)]
 pub struct Stimulus {

@@ -3,13 +3,13 @@
 use super::{Run, Words, rust_test, sdo_rows};
 use crate::provenance;
 use crate::results::fuzz::{
-    Coverage, Interruptions, Kept, LssPair, SdoPair, SeenFrame, SentFrame, SettingsLeft, Share, Violation,
+    Coverage, Interruptions, Kept, LssPair, Repetition, SdoPair, SeenFrame, SentFrame, SettingsLeft, Share, Violation,
 };
 use crate::results::test::MovedZeroPoint;
 use crate::results::{self, Contract, FuzzResult};
-use canvass_fuzzer::campaign::Found;
+use canvass_fuzzer::campaign::{self, Found};
 use canvass_fuzzer::{FinalState, Start, Stimulus, Then, reproducer};
-use canvass_traces::{Direction, Frame, Record, hex};
+use canvass_traces::{Direction, Duration, Frame, Record, hex};
 use std::io::{self, Write};
 
 /// Writes the document, indented, with a line end.
@@ -90,20 +90,32 @@ fn violation(run: &Run, found: &Found, words: &Words) -> Violation {
     let evidence = found.evidence.iter().zip(&words.evidence);
     Violation {
         actual: violation.actual.clone(),
+        clause: violation.clause(),
         confirmed: found.confirmed,
         cut_off: found.is_cut_off,
+        device_state: violation.state.to_string(),
         evidence: evidence.map(|(record, words)| seen(record, words)).collect(),
         expected: violation.expected.clone(),
         frames: frames.map(|(stimulus, words)| sent(stimulus, words)).collect(),
-        log: reproducer::candump(&found.sequence),
+        id: violation.defect().to_string(),
+        late_ns: found.late.map(Duration::nanos),
+        log: reproducer::log(found),
+        needs_earlier: found.needs_earlier,
         property: violation.property.id().into(),
+        pytest: reproducer::pytest(found, run.node, run.seed),
+        repetitions: found.repetitions.iter().map(repetition).collect(),
         rule: violation.rule.into(),
         start: start.into(),
         state: found.state.iter().map(kept).collect(),
         t: violation.at.nanos(),
         test: rust_test(run, found),
+        times: found.times,
         title: violation.property.title().into(),
     }
+}
+
+fn repetition(repetition: &campaign::Repetition) -> Repetition {
+    Repetition { came: repetition.came.clone(), replay: repetition.replay.name().into(), shows: repetition.shows }
 }
 
 fn sent(stimulus: &Stimulus, words: &str) -> SentFrame {

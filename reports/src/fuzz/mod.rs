@@ -12,7 +12,7 @@ use canvass_analyzer::NodeId;
 use canvass_fuzzer::Property;
 use canvass_fuzzer::campaign::{Found, Outcome};
 use canvass_fuzzer::coverage::{Answer, Coverage, LssReach, SdoReach};
-use canvass_fuzzer::{FinalState, Kept, Targets, Then, reproducer};
+use canvass_fuzzer::{FinalState, Kept, Start, Targets, Then, reproducer};
 use canvass_suite::bench::Annotate;
 use canvass_suite::touch::Touch;
 use canvass_suite::zero_point::Moved;
@@ -199,23 +199,67 @@ fn values(kept: &[Kept], holds: &str) -> String {
     kept.iter().map(value).collect::<Vec<_>>().join(", ")
 }
 
-/// How reliable a violation is: whether it came back.
+/// How reliable a violation is: whether it came back, and from which start.
 fn reliability(found: &Found, dead: bool) -> String {
     let text = match (found.confirmed, dead && found.violation.property == Property::Alive) {
         (false, _) if found.is_cut_off => {
-            "was seen once, and the bus was lost before it could be repeated: its whole trace is shown"
+            "was seen once, and the bus was lost before it could be repeated: its whole trace is shown".to_owned()
         }
-        (true, _) => "comes back whenever the sequence is repeated from power-on",
-        (false, true) => "the device did not come back after it: these are its last frames",
-        (false, false) => {
-            "was seen once and did not come back when the sequence was repeated from power-on: its whole trace is shown"
-        }
+        (true, _) => comes_back(found),
+        (false, true) => "the device did not come back after it: these are its last frames".to_owned(),
+        (false, false) if found.needs_earlier => format!(
+            "needs what came before: it came back only when all {} frames since a reset were sent again{}",
+            found.sequence.stimuli.len(),
+            instead(found)
+        ),
+        (false, false) => match found.late {
+            Some(late) => format!(
+                "was seen once, when the device or this machine was late: the answer came after {late}{}",
+                instead(found)
+            ),
+            None => format!("was seen once and did not come back: its whole trace is shown{}", instead(found)),
+        },
     };
     if found.state.is_empty() {
-        return text.to_owned();
+        return text;
     }
     let kept = values(&found.state, "held");
     format!("{text}; neither a reset nor a write had restored the state of power-on: {kept}")
+}
+
+/// The start of the repetitions, and their number.
+fn comes_back(found: &Found) -> String {
+    let start = match (found.prelude.is_empty(), found.sequence.start) {
+        (_, Start::Unconfigured) => "power-on without node-ID",
+        (true, Start::Configured) if found.is_live => "a reset",
+        (true, Start::Configured) => "power-on",
+        (false, Start::Configured) => "a reset after other SDO transfers, which are in the log",
+    };
+    let times = found.repetitions.iter().filter(|one| one.shows).count();
+    let waits = match found.shows_by_times() {
+        true => "",
+        false => "; the player has to wait for the answers, as --replay does",
+    };
+    format!("came back in each of {times} repetitions from {start}{waits}")
+}
+
+/// What came in the repetitions that did not show the violation.
+fn instead(found: &Found) -> String {
+    let others: BTreeSet<&str> = found.repetitions.iter().filter(|one| !one.shows).map(|one| &*one.came).collect();
+    let others: Vec<&str> = others.into_iter().collect();
+    let shown = found.repetitions.iter().filter(|one| one.shows).count();
+    match (shown, others.is_empty()) {
+        (_, true) => String::new(),
+        (0, false) => format!(" (in {} repetitions: {})", found.repetitions.len(), others.join(", ")),
+        (_, false) => {
+            format!(" (in {shown} of {} repetitions it came, else: {})", found.repetitions.len(), others.join(", "))
+        }
+    }
+}
+
+/// How often the violation was seen. Empty if it was once.
+fn seen(found: &Found) -> String {
+    if found.times > 1 { format!("in {} sequences", found.times) } else { String::new() }
 }
 
 /// The wait after a frame of a sequence, if it is not the usual wait.

@@ -1,7 +1,7 @@
 //! The result of a run as a report. In JUnit files each property that holds is a case. Each violated rule of the other
 //! properties is a case, too.
 
-use super::{Run, Words, annotated, json, left, outcome, reliability, rust_test, sdo_rows, trouble};
+use super::{Run, Words, annotated, json, left, outcome, reliability, rust_test, sdo_rows, seen, trouble};
 use crate::document::junit::{Case, Outcome, Problem, Suite};
 use crate::document::{
     Block, Code, Column, Depth, Document, Fact, Finding, PageParts, Report, Row, Section, Table, Tone, fact,
@@ -82,8 +82,11 @@ fn finding(run: &Run, found: &Found, words: &Words, depth: Depth) -> Finding {
     let violation = &found.violation;
     let facts = [
         fact("expected", &violation.expected),
+        fact("clause", &violation.clause()),
         fact("found", &violation.actual),
+        fact("device", &violation.state),
         fact("this", &reliability(found, run.outcome.dead)),
+        fact("seen", &seen(found)),
     ];
     let sequence = match found.sequence.stimuli.is_empty() {
         true => "none: it shows without any frame".to_owned(),
@@ -91,13 +94,14 @@ fn finding(run: &Run, found: &Found, words: &Words, depth: Depth) -> Finding {
     };
     let mut body = vec![
         Block::Text(violation.property.title().to_owned()),
-        Block::Facts(facts.into()),
+        Block::Facts(facts.into_iter().filter(|(_, value)| !value.is_empty()).collect()),
         code("sequence", "text", sequence),
         Block::fold("on the bus, times in ms", vec![frames(found, words, depth)]),
-        code("log for canplayer and canvass fuzz --replay", "text", reproducer::candump(&found.sequence)),
+        code("log for canplayer and canvass fuzz --replay", "text", reproducer::log(found)),
     ];
     if depth > Depth::Screen {
         body.push(code("Rust test", "rust", rust_test(run, found)));
+        body.push(code("test for pytest", "python", reproducer::pytest(found, run.node, run.seed)));
     }
     Finding {
         tone: Tone::Bad,
@@ -184,11 +188,14 @@ fn cases(run: &Run, property: Property) -> Vec<Case> {
 
 fn case(run: &Run, family: &str, found: &Found, words: &Words) -> Case {
     let violation = &found.violation;
-    let log = reproducer::candump(&found.sequence);
+    let log = reproducer::log(found);
     let text = format!("{}\n{}\n{log}", reliability(found, run.outcome.dead), annotated(found, words));
-    Case::passed(family, format!("{} {}", violation.property, violation.rule)).ended(Outcome::Failed(Problem {
+    Case::passed(family, violation.defect().to_string()).ended(Outcome::Failed(Problem {
         kind: if found.confirmed { "violation" } else { "violation seen once" },
-        message: format!("expected {}, found {}", violation.expected, violation.actual),
+        message: format!(
+            "{} {}: expected {}, found {}",
+            violation.property, violation.rule, violation.expected, violation.actual
+        ),
         details: text.lines().map(str::to_owned).collect(),
     }))
 }

@@ -4,7 +4,7 @@ use super::*;
 use crate::document::{Form, Report, Style};
 use canvass_analyzer::Multiplexer;
 use canvass_bus::Interruptions;
-use canvass_fuzzer::{Property, Sequence, Spent, Start, Stimulus, Violation};
+use canvass_fuzzer::{DeviceState, Property, Sequence, Spent, Start, Stimulus, Symptom, Violation};
 use canvass_traces::{CanId, Duration, Frame};
 
 const HOSTILE: &str = "<script>alert(1)</script>\u{1b}[2J```\n| x ]]>";
@@ -16,17 +16,16 @@ fn run() -> Run {
         rule: "initiate upload",
         expected: HOSTILE.to_owned(),
         actual: HOSTILE.to_owned(),
+        abort: None,
+        interval: None,
         is_silence: false,
+        symptom: Symptom::Frame(frame),
+        state: DeviceState::default(),
         at: Timestamp(5),
     };
-    let found = Found {
-        violation,
-        sequence: Sequence { start: Start::Configured, stimuli: vec![Stimulus::settle(frame)] },
-        evidence: vec![Record::new(Timestamp(1), ChannelId(0), frame).with_direction(Direction::Tx)],
-        confirmed: false,
-        state: Vec::new(),
-        is_cut_off: false,
-    };
+    let sequence = Sequence { start: Start::Configured, stimuli: vec![Stimulus::settle(frame)] };
+    let evidence = vec![Record::new(Timestamp(1), ChannelId(0), frame).with_direction(Direction::Tx)];
+    let found = Found::seen(violation, sequence, evidence);
     let kept = Kept { at: Multiplexer::new(0x1015, 0), value: 0xFF00, power_on: 0 };
     let outcome = Outcome {
         executions: 7,
@@ -40,6 +39,7 @@ fn run() -> Run {
         spent: Spent::default(),
         spent_on_violations: Spent::default(),
         violations: vec![found],
+        corpus: Vec::new(),
         interruptions: None,
         ended_by: None,
     };

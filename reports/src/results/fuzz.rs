@@ -118,20 +118,41 @@ pub struct Kept {
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
 pub struct Violation {
     pub actual: String,
-    /// Whether the violation came again when the sequence was repeated from power-on.
+    /// The clause of the standard.
+    #[serde(default)]
+    pub clause: String,
+    /// Whether the violation came again in each repetition from the same start.
     pub confirmed: bool,
     /// Whether the bus was lost before the sequence could be repeated.
     #[serde(default)]
     pub cut_off: bool,
+    /// The state of the device according to the reference models.
+    #[serde(default)]
+    pub device_state: String,
     /// All frames on the bus during the sequence; if the violation did not come back, those of its only occurrence.
     pub evidence: Vec<SeenFrame>,
     pub expected: String,
     /// The shortest sequence found that shows the violation.
     pub frames: Vec<SentFrame>,
-    /// The sequence as a candump log.
+    /// The id of the defect, the same in each run: property, rule, and what is wrong with the answer.
+    #[serde(default)]
+    pub id: String,
+    /// The time after which an answer came that had been missing; `null` if it did not come.
+    #[serde(default)]
+    pub late_ns: Option<u64>,
+    /// The sequence as a candump log, with the frames of the device as comments.
     pub log: String,
+    /// Whether the violation came back only when all frames since a reset were sent again: these are the sequence.
+    #[serde(default)]
+    pub needs_earlier: bool,
     /// The violated property, such as `PROP-02`.
     pub property: Word,
+    /// The violation as a test for pytest, with python-canopen.
+    #[serde(default)]
+    pub pytest: String,
+    /// The repetitions of the sequence, each from a start.
+    #[serde(default)]
+    pub repetitions: Vec<Repetition>,
     /// The violated rule of the property.
     pub rule: Word,
     /// The state at the beginning of the sequence: `configured` or `without-node-id`.
@@ -142,7 +163,21 @@ pub struct Violation {
     pub t: u64,
     /// The violation as a Rust test.
     pub test: String,
+    /// Number of sequences that have shown the violation, without its repetitions.
+    #[serde(default)]
+    pub times: u64,
     pub title: Word,
+}
+
+/// A repetition of the sequence of a violation.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Repetition {
+    /// The behaviour of the device: the wrong answer, or `no violation`.
+    pub came: String,
+    /// When the next frame was sent: after the `answers` of the device, or at the `times` of the log.
+    pub replay: Word,
+    /// Whether the violation came.
+    pub shows: bool,
 }
 
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]

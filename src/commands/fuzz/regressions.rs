@@ -63,7 +63,7 @@ impl Regressions {
         let new: String = found
             .iter()
             .filter(|found| !found.sequence.stimuli.is_empty())
-            .filter(|found| !known.contains(&reproducer::candump(&found.sequence)))
+            .filter(|found| !known.contains(&reproducer::candump(&found.whole())))
             .map(|found| reproducer::regression(found, seed))
             .collect();
         if new.is_empty() {
@@ -84,7 +84,7 @@ fn append(path: &Path, bytes: &[u8]) -> std::io::Result<()> {
 }
 
 /// The reason why the first forbidden frame is refused, with the option that permits it.
-fn forbidden(sequence: &Sequence, knowledge: &Knowledge, allow: &BTreeSet<Touch>) -> Option<String> {
+pub fn forbidden(sequence: &Sequence, knowledge: &Knowledge, allow: &BTreeSet<Touch>) -> Option<String> {
     sequence.stimuli.iter().find_map(|stimulus| {
         let frame = &stimulus.frame;
         Some(match limits::of(frame, knowledge, allow)? {

@@ -74,6 +74,7 @@ fn fuzz(peer: Peer, target: Target, sequences: u64) -> Outcome {
         stop_at_first: false,
         regressions: Vec::new(),
         only_regressions: false,
+        corpus: Vec::new(),
     };
     campaign::run(&mut stand, knowledge, &plan, &mut |progress| progress.sequences < sequences).unwrap()
 }

@@ -253,6 +253,7 @@ pub fn fuzz(wish: &Wish, surroundings: &Surroundings) -> Result<Tried, String> {
         stop_at_first: false,
         regressions: Vec::new(),
         only_regressions: false,
+        corpus: Vec::new(),
     };
     let began = host::now();
     let outcome = campaign::run(&mut stand, knowledge.clone(), &plan, &mut |state| {

@@ -4,7 +4,7 @@
 use super::violations::{Confirmed, is_same};
 use super::{Campaign, Found, Standing};
 use crate::execute::{Ended, Pace};
-use crate::property::Property;
+use crate::oracle::Defect;
 use crate::shrink::SequenceTree;
 use crate::stand::TestStand;
 use crate::stimulus::Sequence;
@@ -45,8 +45,6 @@ pub(super) struct Shortening {
     evidence: Vec<Record>,
     /// The sequences that showed the violation, each shorter than the previous sequence.
     shown: Vec<Sequence>,
-    /// Whether a try ended as soon as a known answer was missing, before its full time.
-    has_hurried: bool,
 }
 
 impl Shortening {
@@ -69,13 +67,12 @@ impl Shortening {
             spent: Duration::ZERO,
             evidence: whole.evidence.clone(),
             shown: Vec::new(),
-            has_hurried: false,
             whole,
         }
     }
 
-    fn key(&self) -> (Property, &'static str) {
-        (self.whole.violation.property, self.whole.violation.rule)
+    fn defect(&self) -> Defect {
+        self.whole.violation.defect()
     }
 
     /// The violation with its shortest sequence so far.
@@ -163,7 +160,7 @@ impl Campaign<'_> {
         while let Some(shortening) = self.unshortened.pop_front() {
             let may_show = !shortening.shown.is_empty() && !self.dead && !self.plan.time.is_over();
             let shown = match may_show {
-                true => self.show(stand, shortening.best(), shortening.pace),
+                true => self.show(stand, shortening.best()),
                 false => Ok(shortening.whole.clone()),
             };
             let found = match &shown {
@@ -186,7 +183,7 @@ impl Campaign<'_> {
 
     /// Replaces the reported violation by its shortest sequence.
     fn replace(&mut self, shortening: &Shortening, found: Found) {
-        let key = shortening.key();
+        let key = shortening.defect();
         if shortening.history.is_some() {
             let doubts = match self.seen.get(&key) {
                 Some(Standing::InHistory(doubts)) => *doubts,
@@ -194,7 +191,7 @@ impl Campaign<'_> {
             };
             return self.tell(found, doubts, true);
         }
-        let is_it = |other: &&mut Found| (other.violation.property, other.violation.rule) == key;
+        let is_it = |other: &&mut Found| other.violation.defect() == key;
         if let Some(whole) = self.violations.iter_mut().find(is_it) {
             *whole = found;
         }
@@ -219,8 +216,7 @@ impl Campaign<'_> {
                 *shortening = Shortening::at(whole, shortening.history.take(), Pace::Careful);
                 self.confirm_history(stand, shortening)?
             }
-            Pace::Careful if shortening.has_hurried || shortening.history.is_some() => Some(whole),
-            Pace::Careful => Some(found),
+            Pace::Careful => Some(whole),
         })
     }
 
@@ -235,11 +231,17 @@ impl Campaign<'_> {
         match self.confirm(stand, history, &shortening.whole.violation, Pace::Careful)? {
             Confirmed::Again => {
                 let evidence = self.executor.history.take_evidence();
-                (shortening.whole.sequence, shortening.whole.evidence) = (history.clone(), evidence);
-                shortening.whole.confirmed = true;
-                Ok(None)
+                let whole = Found { sequence: history.clone(), evidence, ..shortening.whole.clone() };
+                let proved = self.prove(stand, whole)?;
+                let is_confirmed = proved.confirmed;
+                shortening.whole =
+                    if is_confirmed { proved } else { needs_earlier(&shortening.whole, history, proved) };
+                Ok((!is_confirmed).then(|| shortening.whole.clone()))
             }
-            Confirmed::No => Ok(Some(shortening.whole.clone())),
+            Confirmed::No => {
+                let seen = shortening.whole.clone();
+                Ok(Some(needs_earlier(&shortening.whole, history, seen)))
+            }
             Confirmed::Lost(lost, dead) => {
                 self.lose(stand, lost, dead)?;
                 Ok(Some(shortening.whole.clone()))
@@ -254,10 +256,10 @@ impl Campaign<'_> {
         shortening: &mut Shortening,
         until: Timestamp,
     ) -> Result<bool, BusError> {
-        let Shortening { whole, tree, pace, tries, spent, evidence, shown, has_hurried, .. } = shortening;
+        let Shortening { whole, tree, pace, tries, spent, evidence, shown, .. } = shortening;
         let is_repeatable = stand.is_repeatable();
         // The full time for a missing answer has passed once before; the tries need not wait for it again.
-        self.executor.known.presume(Some((whole.violation.property, whole.violation.rule)));
+        self.executor.known.presume(Some(whole.violation.defect()));
         let mut more = tree.go_on();
         let over = loop {
             let begun = stand.bus().now();
@@ -287,7 +289,7 @@ impl Campaign<'_> {
                 *spent = *spent + stand.bus().now().since(begun);
             }
         };
-        *has_hurried |= self.executor.known.presume(None);
+        self.executor.known.presume(None);
         Ok(over)
     }
 
@@ -295,7 +297,7 @@ impl Campaign<'_> {
     /// if so, longer sequences are run until one shows the violation.
     fn show_best(&mut self, stand: &mut dyn TestStand, shortening: &Shortening) -> Result<Found, BusError> {
         let pace = shortening.pace;
-        let mut found = self.show(stand, shortening.best(), pace)?;
+        let mut found = self.show(stand, shortening.best())?;
         let shown = &shortening.shown;
         let longer =
             (1..u32::BITS).map_while(|doubled| shown.len().checked_sub(1 << doubled).and_then(|n| shown.get(n)));
@@ -303,16 +305,16 @@ impl Campaign<'_> {
             if found.confirmed || self.dead || self.plan.time.is_over() {
                 break;
             }
-            found = self.show(stand, Found { sequence: sequence.clone(), confirmed: true, ..found }, pace)?;
+            found = self.show(stand, Found { sequence: sequence.clone(), confirmed: true, ..found })?;
         }
         Ok(found)
     }
 
-    /// Runs the sequence from power-on, keeps the frames and the violation's texts, and confirms the violation. If
-    /// there is no time for it, a violation shortened at the swift pace stays unconfirmed.
-    fn show(&mut self, stand: &mut dyn TestStand, shortest: Found, pace: Pace) -> Result<Found, BusError> {
+    /// Runs the sequence from its start and keeps the frames and the violation's texts. If the violation comes, it is
+    /// repeated until it is confirmed. If there is no time for it, it stays unconfirmed.
+    fn show(&mut self, stand: &mut dyn TestStand, shortest: Found) -> Result<Found, BusError> {
         if self.plan.time.is_over() && !shortest.evidence.is_empty() {
-            return Ok(Found { confirmed: pace == Pace::Careful, ..shortest });
+            return Ok(Found { confirmed: false, ..shortest });
         }
         let last = match self.dead {
             true => Ended::Well,
@@ -322,7 +324,7 @@ impl Campaign<'_> {
         let shown = Found { evidence, state: self.executor.kept().to_vec(), ..shortest };
         Ok(match last {
             Ended::Violation(last) if is_same(&last, &shown.violation) => {
-                Found { violation: last, confirmed: true, ..shown }
+                self.prove(stand, Found { violation: last, ..shown })?
             }
             Ended::Lost { violation: lost, dead } => {
                 self.lose(stand, lost, dead)?;
@@ -331,4 +333,11 @@ impl Campaign<'_> {
             _ => Found { confirmed: false, ..shown },
         })
     }
+}
+
+/// The violation that came back only when the whole history was sent again at the swift pace. `repeated`: the last
+/// attempt to repeat it.
+fn needs_earlier(seen: &Found, history: &Sequence, repeated: Found) -> Found {
+    let repetitions = repeated.repetitions;
+    Found { sequence: history.clone(), repetitions, needs_earlier: true, confirmed: false, ..seen.clone() }
 }

@@ -1,10 +1,11 @@
 //! Handling of violations: each is repeated from power-on and reported once.
 
+use super::proof::REPETITIONS;
 use super::shortening::Shortening;
-use super::{Campaign, Found, Standing};
+use super::{Campaign, Found, Repetition, Replay, Standing};
 use crate::condense::condense;
 use crate::execute::{Ended, Pace};
-use crate::oracle::Violation;
+use crate::oracle::{Symptom, Violation};
 use crate::property::Property;
 use crate::shrink::SequenceTree;
 use crate::stand::TestStand;
@@ -36,7 +37,7 @@ impl Campaign<'_> {
         violation: Violation,
         pace: Pace,
     ) -> Result<(), BusError> {
-        let key = (violation.property, violation.rule);
+        let key = violation.defect();
         let doubts = match self.seen.get(&key) {
             Some(Standing::Confirmed | Standing::Doubtful(MOST_DOUBTS..)) => {
                 // If the violation is a missing answer, its full time has passed now. The fuzzer need not wait for it
@@ -55,14 +56,13 @@ impl Campaign<'_> {
             tree = SequenceTree::new(tail);
         }
         let whole = self.executor.history.since_start();
-        let seen = Found {
-            violation,
-            sequence: tree.current(),
-            evidence: self.executor.history.evidence().to_vec(),
-            confirmed: false,
-            state: self.executor.kept().to_vec(),
-            is_cut_off: false,
+        let late = match violation.symptom {
+            Symptom::Missing(Some(can_id)) if !stand.is_repeatable() => self.executor.late_answer(stand, can_id)?,
+            _ => None,
         };
+        let evidence = self.executor.history.evidence().to_vec();
+        let state = self.executor.kept().to_vec();
+        let seen = Found { state, late, ..Found::seen(violation, tree.current(), evidence) };
         self.unrepeated = Some(Unrepeated { seen: seen.clone(), doubts, is_swift: pace == Pace::Swift });
         let (confirmed, tree, is_whole) = self.repeat(stand, tree, &seen, whole)?;
         let (found, lost) = match confirmed {
@@ -77,18 +77,24 @@ impl Campaign<'_> {
                 return Ok(());
             }
             Confirmed::Again => {
-                let whole = Found {
-                    sequence: tree.best().clone(),
-                    evidence: self.executor.history.take_evidence(),
-                    state: self.executor.kept().to_vec(),
-                    violation: seen.violation,
-                    confirmed: true,
-                    is_cut_off: false,
-                };
-                let shortening = Shortening::new(whole, stand.is_repeatable());
-                (self.shorten_now_or_later(stand, shortening)?, None)
+                let evidence = self.executor.history.take_evidence();
+                let state = self.executor.kept().to_vec();
+                let whole = Found { state, ..Found::seen(seen.violation.clone(), tree.best().clone(), evidence) };
+                let proved = self.prove(stand, whole)?;
+                match proved.confirmed {
+                    true => {
+                        let shortening = Shortening::new(proved, stand.is_repeatable());
+                        (self.shorten_now_or_later(stand, shortening)?, None)
+                    }
+                    false => (Found { repetitions: proved.repetitions, ..seen }, None),
+                }
             }
-            Confirmed::No => (seen, None),
+            Confirmed::No if !stand.is_repeatable() && self.plan.time.is_over() => (seen, None),
+            Confirmed::No => {
+                let came = "no violation of this kind".to_owned();
+                let repetitions = vec![Repetition { replay: Replay::Answers, shows: false, came }];
+                (Found { repetitions, ..seen }, None)
+            }
             Confirmed::Lost(lost, dead) => (seen, Some((lost, dead))),
         };
         let is_swift = lost.is_none() && pace == Pace::Swift;
@@ -132,9 +138,9 @@ impl Campaign<'_> {
     /// Reports a violation. At the swift pace a late answer to another frame can look like a violation: if a repetition
     /// does not show it again, it is reported at its third occurrence (`MOST_DOUBTS`), and before that only counted.
     pub(super) fn tell(&mut self, found: Found, doubts: u32, is_swift: bool) {
-        let key = (found.violation.property, found.violation.rule);
+        let key = found.violation.defect();
         if !found.confirmed && is_swift && doubts + 1 < MOST_DOUBTS && self.may_be_mixed_up(&found.violation) {
-            self.executor.distrust(key.0);
+            self.executor.distrust(key.property);
             self.seen.insert(key, Standing::Doubtful(doubts + 1));
             return;
         }
@@ -143,7 +149,7 @@ impl Campaign<'_> {
         if matches!(standing, Standing::Confirmed | Standing::Doubtful(MOST_DOUBTS..)) {
             self.executor.known.take_for_granted(&found.violation);
         }
-        let is_known = |other: &&mut Found| (other.violation.property, other.violation.rule) == key;
+        let is_known = |other: &&mut Found| other.violation.defect() == key;
         match self.violations.iter_mut().find(is_known) {
             Some(before) if found.confirmed => *before = found,
             Some(_) => {}
@@ -165,24 +171,37 @@ impl Campaign<'_> {
     pub(super) fn lose(&mut self, stand: &mut dyn TestStand, violation: Violation, dead: bool) -> Result<(), BusError> {
         self.dead |= dead;
         let (sequence, evidence) = self.executor.history.take_before();
-        let key = (violation.property, violation.rule);
-        if self.seen.insert(key, Standing::Confirmed).is_some() {
+        if self.seen.insert(violation.defect(), Standing::Confirmed).is_some() {
             return Ok(());
         }
-        let again = if dead { Ok(false) } else { self.is_lost_again(stand, &sequence) };
-        let (confirmed, is_cut_off) = (matches!(again, Ok(true)), again.is_err());
-        self.violations.push(Found { violation, sequence, evidence, confirmed, state: Vec::new(), is_cut_off });
-        again.map(|_| ())
+        let mut found = Found::seen(violation, sequence, evidence);
+        let again = if dead { Ok(()) } else { self.lose_again(stand, &mut found) };
+        found.confirmed = !found.repetitions.is_empty() && found.repetitions.iter().all(|repetition| repetition.shows);
+        found.is_cut_off = again.is_err();
+        self.violations.push(found);
+        again
     }
 
-    /// Repeats the sequence and resets the device. Returns whether the device again does not come back.
-    fn is_lost_again(&mut self, stand: &mut dyn TestStand, sequence: &Sequence) -> Result<bool, BusError> {
-        self.executor.run(stand, sequence, Pace::Careful, true)?;
-        let ended = self.executor.restart(stand)?;
-        if let Ended::Lost { dead, .. } = ended {
-            self.dead |= dead;
+    /// Repeats the sequence and resets the device, until it once comes back or is dead.
+    fn lose_again(&mut self, stand: &mut dyn TestStand, found: &mut Found) -> Result<(), BusError> {
+        for _ in 0..REPETITIONS {
+            self.executor.run(stand, &found.sequence, Pace::Careful, true)?;
+            let ended = self.executor.restart(stand)?;
+            let (shows, came) = match &ended {
+                Ended::Lost { violation, .. } => (true, violation.actual.clone()),
+                Ended::Well | Ended::Violation(_) => (false, "the device came back".to_owned()),
+            };
+            found.repetitions.push(Repetition { replay: Replay::Answers, shows, came });
+            match ended {
+                Ended::Lost { dead: false, .. } => {}
+                Ended::Lost { dead: true, .. } => {
+                    self.dead = true;
+                    break;
+                }
+                Ended::Well | Ended::Violation(_) => break,
+            }
         }
-        Ok(matches!(ended, Ended::Lost { .. }))
+        Ok(())
     }
 
     /// Whether the sequence shows the same violation again. At the careful pace it begins from power-on.
@@ -231,5 +250,5 @@ fn is_mixable(violation: &Violation) -> bool {
 }
 
 pub(super) fn is_same(one: &Violation, other: &Violation) -> bool {
-    (one.property, one.rule) == (other.property, other.rule)
+    one.defect() == other.defect()
 }

@@ -2,7 +2,7 @@
 
 use super::{Cause, Executor, Pace, Stop, WEDGED};
 use crate::baseline;
-use crate::oracle::Violation;
+use crate::oracle::{Symptom, Violation};
 use crate::property::Property;
 use crate::stand::TestStand;
 use crate::stimulus::Stimulus;
@@ -113,7 +113,11 @@ impl Executor {
             rule: WEDGED.1,
             expected: format!("the value of 1000h within {within}, after an abort in pre-operational"),
             actual: "no answer".to_owned(),
+            abort: None,
+            interval: None,
             is_silence: true,
+            symptom: Symptom::Missing(Some(self.requests.response)),
+            state: self.oracle.state(),
             at: stand.bus().now(),
         }))
     }

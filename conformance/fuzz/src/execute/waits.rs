@@ -173,6 +173,21 @@ impl Executor {
         }
     }
 
+    /// Waits once more for an answer that was missing. Returns its time after the last own frame, if it comes after all.
+    pub(crate) fn late_answer(&mut self, stand: &mut dyn TestStand, can_id: u16) -> Result<Option<Duration>, BusError> {
+        let own = self.history.evidence().iter().rfind(|record| record.direction == Direction::Tx);
+        let asked = own.map_or_else(|| stand.bus().now(), |record| record.timestamp);
+        let until = stand.bus().now() + self.knowledge.patience.answer;
+        while let Some(record) = stand.bus().receive(until)? {
+            let (at, id) = (record.timestamp, record.frame.cob_id());
+            self.history.note(record);
+            if id == Some(can_id) {
+                return Ok(Some(at.since(asked)));
+            }
+        }
+        Ok(None)
+    }
+
     /// Aborts a transfer whose answer is known to be slow, because it was judged before.
     fn give_up(&mut self, stand: &mut dyn TestStand) -> Result<(), Stop> {
         let is_too_slow = self.oracle.awaits().is_some_and(|awaited| self.known.is_too_slow(awaited));
@@ -189,7 +204,6 @@ impl Executor {
             // A missing answer that is not the violation to be shown again ends the try, too, however slow the answer
             // is. But a start may take long, and the violation may come after it.
             Err(violation) if self.is_known(&violation) || self.known.presumes() && !self.oracle.is_booting() => {
-                self.known.hurry();
                 Err(violation.into())
             }
             _ => Ok(()),

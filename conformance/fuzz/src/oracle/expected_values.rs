@@ -43,6 +43,34 @@ pub(super) enum Extent {
     Node,
 }
 
+/// A message that the configuration of the device switches off.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub(super) enum Off {
+    Sync,
+    Time,
+    Emcy,
+}
+
+impl Off {
+    /// The rule that the message violates.
+    pub const fn rule(self) -> &'static str {
+        match self {
+            Self::Sync => "SYNC although off",
+            Self::Time => "TIME although off",
+            Self::Emcy => "EMCY although off",
+        }
+    }
+
+    /// Why the device must not send the message.
+    pub const fn reason(self) -> &'static str {
+        match self {
+            Self::Sync => "bit 30 of 1005h is 0, so that the device does not produce SYNC",
+            Self::Time => "bit 30 of 1012h is 0, so that the device does not produce TIME",
+            Self::Emcy => "bit 31 of 1014h is 1, so that EMCY does not exist",
+        }
+    }
+}
+
 impl ExpectedValues {
     pub fn new(knowledge: &Knowledge) -> Self {
         let mut expected_values = Self {
@@ -231,10 +259,10 @@ impl ExpectedValues {
         self.bus_changed
     }
 
-    /// Whether parameters were stored or restored. The models don't follow values after that.
-    pub fn has_stored(&self) -> bool {
-        self.change
-            .is_some_and(|(at, _)| matches!(at.index.0, object::STORE_PARAMETERS | object::RESTORE_DEFAULT_PARAMETERS))
+    /// Whether parameters were stored or restored. The models don't follow values after that, and the device may be
+    /// silent while it stores.
+    pub fn has_stored(&self, knowledge: &Knowledge) -> bool {
+        self.change.is_some_and(|(at, _)| knowledge.stores(at))
     }
 
     /// Whether the identifier belongs to SYNC: 080h if 1005h is not known.
@@ -245,6 +273,19 @@ impl ExpectedValues {
     /// Whether the device is the producer of SYNC (bit 30 of 1005h).
     pub(crate) fn produces_sync(&self) -> bool {
         self.sync.is_some_and(|raw| raw >> 30 & 1 != 0)
+    }
+
+    /// The message with this identifier that the device must not send, because its configuration switches it off.
+    pub(crate) fn is_off(&self, can_id: u16) -> Option<Off> {
+        let has_id = |raw: u64| raw & 0x7FF == u64::from(can_id);
+        let consumed = |raw: Option<u64>| raw.is_some_and(|raw| has_id(raw) && raw & u64::from(CobId::NO_RTR) == 0);
+        let invalid = |raw: Option<u64>| raw.is_some_and(|raw| has_id(raw) && !CobId(raw as u32).is_valid());
+        match self {
+            _ if consumed(self.sync) => Some(Off::Sync),
+            _ if consumed(self.time) => Some(Off::Time),
+            _ if invalid(self.emcy) => Some(Off::Emcy),
+            _ => None,
+        }
     }
 
     /// Whether the identifier belongs to the device's EMCY.

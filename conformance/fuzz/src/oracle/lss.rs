@@ -78,7 +78,7 @@ impl Slave {
         self.pending.is_some_and(|node| node != knowledge.node.raw()) || self.timing_changed || self.given
     }
 
-    fn class(&self) -> LssState {
+    pub(super) fn class(&self) -> LssState {
         match self.at.class() {
             LssState::Configuration => LssState::Configuration,
             _ if self.unconfigured && self.scanning.is_some() => LssState::Scanning,

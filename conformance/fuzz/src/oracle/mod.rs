@@ -5,6 +5,7 @@
 //! standard leaves a choice, every choice is right. After a frame that the standard does not describe, a model judges
 //! nothing until it knows the state again.
 
+mod clause;
 mod codes;
 mod emcy;
 mod expected_values;
@@ -17,6 +18,7 @@ mod pdo_rules;
 mod rpdo;
 mod sdo;
 mod sync_count;
+mod violation;
 
 use super::Knowledge;
 use super::coverage::Coverage;
@@ -31,23 +33,7 @@ use expected_values::ExpectedValues;
 use layer_setting::Effect;
 use std::sync::Arc;
 
-/// A violation of a property.
-#[derive(Clone, PartialEq, Eq, Debug)]
-pub struct Violation {
-    /// The violated property.
-    pub property: Property,
-    /// The violated rule, or the state of the device. Property and rule together distinguish violations from each
-    /// other.
-    pub rule: &'static str,
-    /// The required behaviour.
-    pub expected: String,
-    /// The actual behaviour.
-    pub actual: String,
-    /// Whether the device was silent although an answer was due.
-    pub is_silence: bool,
-    /// The time of the violation.
-    pub at: Timestamp,
-}
+pub use violation::{Defect, DeviceState, Symptom, Violation, WrongAnswer};
 
 /// Frames whose distance is smaller than this leave no room for other frames between them.
 const BURST: Duration = Duration::from_millis(2);
@@ -230,6 +216,12 @@ impl Oracle {
             return Ok(());
         }
         self.expire(now)?;
+        let state = self.state();
+        self.judge(now, frame, coverage).map_err(|violation| violation.by(frame, state))
+    }
+
+    fn judge(&mut self, now: Timestamp, frame: &Frame, coverage: &mut Coverage) -> Result<(), Violation> {
+        let node = u16::from(self.knowledge.node.raw());
         let can_id = frame.id().as_standard().filter(|_| !frame.is_remote());
         match can_id {
             Some(id) if id == error_control::CAN_ID_BASE + node => return self.error_control_came(now, frame),
@@ -343,11 +335,23 @@ impl Oracle {
         if self.blind || self.due().is_none_or(|due| now < due) {
             return Ok(());
         }
-        self.nmt.expire(now, &self.knowledge)?;
-        self.sdo.expire(now)?;
-        self.lss.at.expire(now)?;
-        self.lmt.at.expire(now)?;
-        self.pdo.expire(now)
+        let (state, node) = (self.state(), u16::from(self.knowledge.node.raw()));
+        let absent = |can_id: u16| move |violation: Violation| violation.by_absence(can_id, state);
+        self.nmt.expire(now, &self.knowledge).map_err(absent(error_control::CAN_ID_BASE + node))?;
+        self.sdo.expire(now).map_err(absent(sdo_wire::RESPONSE_BASE + node))?;
+        self.lss.at.expire(now).map_err(absent(lss_wire::SLAVE_CAN_ID))?;
+        self.lmt.at.expire(now).map_err(absent(lss_wire::SLAVE_CAN_ID))?;
+        self.pdo.expire(now).map_err(|violation| Violation { state, ..violation })
+    }
+
+    /// The state of the device according to the models.
+    pub fn state(&self) -> DeviceState {
+        let lss = (self.knowledge.services.lss != Some(false)).then(|| self.lss.class());
+        DeviceState {
+            phase: Some(self.nmt.phase()),
+            sdo: self.sdo.class(),
+            lss: if self.knowledge.services.lmt { Some(self.lmt.at.class()) } else { lss },
+        }
     }
 
     /// Whether the models know which answers must or must not follow the frame.
@@ -467,8 +471,12 @@ impl Oracle {
             // A write under way may already have changed the periods.
             return Ok(());
         }
-        self.nmt.finish(now, &self.expected_values, &self.knowledge)?;
-        self.pdo.finish(now, &self.nmt, &self.expected_values, &self.knowledge)
+        let (state, node) = (self.state(), u16::from(self.knowledge.node.raw()));
+        let id = error_control::CAN_ID_BASE + node;
+        let heartbeats = self.nmt.finish(now, &self.expected_values, &self.knowledge);
+        heartbeats.map_err(|violation| violation.by_absence(id, state))?;
+        let pdos = self.pdo.finish(now, &self.nmt, &self.expected_values, &self.knowledge);
+        pdos.map_err(|violation| Violation { state, ..violation })
     }
 
     /// Whether the device is between reset and boot-up, as far as is known.
@@ -504,38 +512,19 @@ fn violation(
     actual: impl Into<String>,
     at: Timestamp,
 ) -> Violation {
-    Violation { property, rule, expected: expected.into(), actual: actual.into(), is_silence: false, at }
+    Violation {
+        property,
+        rule,
+        expected: expected.into(),
+        actual: actual.into(),
+        abort: None,
+        interval: None,
+        is_silence: false,
+        symptom: Symptom::Missing(None),
+        state: DeviceState::default(),
+        at,
+    }
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-    use canvass_analyzer::NodeId;
-    use canvass_device::models::Model;
-    use canvass_traces::parse_frame;
-
-    /// A device with a lasting error is reset twice: the report of its first start is under way when the second reset
-    /// comes.
-    #[test]
-    fn each_start_may_report_the_same_error() {
-        let model = Model::by_id("reference-301").unwrap();
-        let knowledge = Knowledge::new(NodeId::new(4).unwrap(), Some(model.description()), Some(model.sheet()));
-        let mut oracle = Oracle::new(Arc::new(knowledge));
-        oracle.start(Timestamp::ZERO, Start::Configured);
-        let mut coverage = Coverage::default();
-        let (reset, boot_up, emcy) = ("000#8204", "704#00", "084#0050012F04000000");
-        let at = |microseconds: u64| Timestamp(1_000_000_000 + microseconds * 1_000);
-        for (time, line) in
-            [(0, reset), (5_000, boot_up), (5_010, reset), (5_050, emcy), (10_000, boot_up), (10_010, emcy)]
-        {
-            let frame = parse_frame(line).unwrap().frame;
-            let judged = match line == reset {
-                true => oracle.sent(at(time), &frame, &mut coverage),
-                false => oracle.received(at(time), &frame, &mut coverage),
-            };
-            judged.unwrap();
-        }
-        let again = oracle.received(at(10_500), &parse_frame(emcy).unwrap().frame, &mut coverage);
-        assert_eq!(again.unwrap_err().rule, "EMCY repeated");
-    }
-}
+mod tests;

@@ -8,7 +8,7 @@ use crate::stimulus::Start;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
-use canvass_analyzer::wire::emcy::Emcy;
+use canvass_analyzer::wire::emcy::{Emcy, EmcyCode};
 use canvass_analyzer::wire::error_control::{ErrorControl, State};
 use canvass_analyzer::wire::nmt::{Command, Nmt};
 use canvass_traces::{Duration, Frame, Timestamp};
@@ -30,6 +30,21 @@ pub(crate) enum Phase {
     Running,
     /// Any state, after a frame that the standard does not describe.
     Unsure,
+}
+
+impl Phase {
+    /// The name of the phase.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Unconfigured => "without node-ID",
+            Self::Booting => "initialisation",
+            Self::PreOperational => "pre-operational",
+            Self::Operational => "operational",
+            Self::Stopped => "stopped",
+            Self::Running => "pre-operational or operational",
+            Self::Unsure => "any NMT state",
+        }
+    }
 }
 
 /// Number of sub-indexes of 1029h that the model reads: 1 for communication errors, the others for errors of the device
@@ -73,6 +88,10 @@ pub(crate) struct Slave {
     /// The heartbeat period, once it was written. `None`: not known.
     period: Option<Duration>,
     period_since: Timestamp,
+    /// Whether the device has sent a heartbeat since its start.
+    beats: bool,
+    /// The time at which the heartbeat was switched off, if the device had sent one.
+    switched_off: Timestamp,
     /// The tolerance of measured times.
     jitter: Duration,
     /// Time after a command during which earlier frames may still come.
@@ -81,6 +100,9 @@ pub(crate) struct Slave {
     announces: bool,
     /// Whether a command came while the device may still have been booting.
     early: bool,
+    /// The phase to which a reported error may lead by itself, as long as the error lasts. A command "start" proves
+    /// nothing then: CiA 301 (7.5.2.32) does not say when a device with an error may be operational again.
+    kept_by_error: Option<Phase>,
 }
 
 impl Slave {
@@ -89,6 +111,7 @@ impl Slave {
             jitter,
             announces,
             early: false,
+            kept_by_error: None,
             grace: Duration(jitter.nanos() + GRACE.nanos()),
             phase: Phase::Unsure,
             before: Phase::Unsure,
@@ -105,6 +128,8 @@ impl Slave {
             old_until: Timestamp::ZERO,
             period: None,
             period_since: Timestamp::ZERO,
+            beats: false,
+            switched_off: Timestamp::ZERO,
         }
     }
 
@@ -124,6 +149,11 @@ impl Slave {
         (self.before, self.phase) = (Phase::Operational, Phase::PreOperational);
         self.changed = now;
         self.toggle = None;
+    }
+
+    /// Whether the device may leave operational and enter it again by itself, because of an error.
+    pub(crate) const fn has_error(&self) -> bool {
+        self.kept_by_error.is_some()
     }
 
     /// Whether the device was certainly not operational before the last change.
@@ -194,6 +224,7 @@ impl Slave {
         self.toggle = self.announces.then_some(false);
         self.last_heartbeat = None;
         self.period = None;
+        self.kept_by_error = None;
     }
 
     /// Applies an NMT frame of the fuzzer.
@@ -219,7 +250,15 @@ impl Slave {
             return Change::None;
         }
         let change = match message.command {
-            Command::START => self.enter(now, Phase::Operational),
+            Command::START => match self.kept_by_error {
+                Some(phase) => {
+                    // The device may be operational again, so that timers begin anew.
+                    self.enter(now, phase);
+                    self.changed = now;
+                    Change::State
+                }
+                None => self.enter(now, Phase::Operational),
+            },
             Command::STOP => self.enter(now, Phase::Stopped),
             Command::ENTER_PRE_OPERATIONAL => self.enter(now, Phase::PreOperational),
             Command::RESET_NODE => Change::Reset(Extent::Node),
@@ -262,6 +301,7 @@ impl Slave {
         if change.0 == HEARTBEAT_TIME {
             self.period = Some(Duration::from_millis(change.1));
             self.period_since = now;
+            self.switched_off = if change.1 == 0 && self.beats { now } else { Timestamp::ZERO };
             self.last_heartbeat = None;
             // The guarding request just before may have come too late.
             self.guard_due = Timestamp::MAX;
@@ -327,6 +367,10 @@ impl Slave {
         self.learn(now, expected_values, knowledge);
         let mut may_be_old = self.may_be_old(now);
         match produces_heartbeat(expected_values, knowledge) {
+            // The frame may be a heartbeat: of a device that does not guard, or the last before 1017h became 0.
+            Some(false) if self.guard_open > 0 && !(guards(knowledge) && now >= self.switched_off + self.grace) => {
+                (self.toggle, self.guard_due) = (None, Timestamp::MAX);
+            }
             Some(false) if self.guard_open > 0 => {
                 may_be_old &= !self.is_fresh(now, knowledge);
                 self.guard_open -= 1;
@@ -338,7 +382,10 @@ impl Slave {
                 let actual = "an error control message";
                 return Err(violation(Property::NmtState, "error control without need", expected, actual, now));
             }
-            Some(_) => self.check_heartbeat(now, message)?,
+            Some(beats) => {
+                self.beats |= beats;
+                self.check_heartbeat(now, message)?;
+            }
             // The frame may be a heartbeat or an answer to guarding.
             None => {
                 (self.period, self.toggle) = (None, None);
@@ -379,8 +426,8 @@ impl Slave {
         }
     }
 
-    /// Handles an error that the device has reported: 1029h determines the next state. Sub-index 1 is for communication
-    /// errors. The device decides which class any other error belongs to.
+    /// Handles an EMCY of the device. After an error, 1029h determines the next state, in NMT state operational at once
+    /// and in the other states as soon as the device is started.
     pub(crate) fn erred(
         &mut self,
         now: Timestamp,
@@ -388,24 +435,19 @@ impl Slave {
         expected_values: &ExpectedValues,
         knowledge: &Knowledge,
     ) -> Change {
-        if self.phase != Phase::Operational {
-            return Change::None;
-        }
         let code = Emcy::read(emcy.data()).ok().and_then(|emcy| emcy.code());
-        let communication = code.is_some_and(|code| matches!(code.0 >> 8, 0x81 | 0x82));
-        let classes = 1..=if communication { 1 } else { ERROR_CLASSES };
-        let exists = |sub: &u8| {
-            !knowledge.is_described() || knowledge.entry(Multiplexer::new(object::ERROR_BEHAVIOR, *sub)).is_some()
-        };
-        let (mut stays, mut leaves) = (false, false);
-        for sub in classes.filter(exists) {
-            match expected_values.number(knowledge, object::ERROR_BEHAVIOR, sub) {
-                Some(1) => stays = true,
-                Some(0) => leaves = true,
-                _ => return self.enter(now, Phase::Unsure),
-            }
+        let [_, _, register, ..] = emcy.bytes();
+        let next = after_error(code, expected_values, knowledge);
+        match code {
+            // The error register says whether an error is left.
+            Some(EmcyCode(0..=0xFF)) if register == 0 => self.kept_by_error = None,
+            Some(EmcyCode(0..=0xFF)) => {}
+            _ => self.kept_by_error = next.or(self.kept_by_error),
         }
-        if stays && !leaves { Change::None } else { self.enter(now, Phase::Running) }
+        match (self.phase, next) {
+            (Phase::Operational, Some(next)) => self.enter(now, next),
+            _ => Change::None,
+        }
     }
 
     /// Records that the device may have left operational by itself.
@@ -483,8 +525,7 @@ impl Slave {
             && actual.nanos() + tolerance.nanos() < period.nanos()
             && now.since(self.changed) > period;
         if late || early {
-            let expected = format!("heartbeats every {period}");
-            return Err(violation(Property::NmtState, "period of the heartbeat", expected, format!("{actual}"), now));
+            return Err(self.wrong_period(now, period, format!("{actual}")));
         }
         Ok(())
     }
@@ -501,6 +542,10 @@ impl Slave {
             }
         };
         match self.phase {
+            // A device with an error may enter and leave operational by itself.
+            phase if self.kept_by_error == Some(phase) && (phase == Phase::Unsure || shown != Phase::Stopped) => {
+                Ok(Change::None)
+            }
             Phase::Unsure => Ok(self.enter(now, shown)),
             Phase::Running if may_be_old => Ok(Change::None),
             Phase::Running if shown != Phase::Stopped => Ok(self.enter(now, shown)),
@@ -508,7 +553,7 @@ impl Slave {
             _ if may_be_old => Ok(Change::None),
             phase => {
                 let rule = "state in error control";
-                Err(violation(Property::NmtState, rule, format!("{phase:?}"), format!("{shown:?}"), now))
+                Err(violation(Property::NmtState, rule, phase.name(), shown.name(), now))
             }
         }
     }
@@ -571,11 +616,17 @@ impl Slave {
         let last = self.last_heartbeat.unwrap_or(self.period_since);
         let running = !matches!(self.phase, Phase::Unconfigured | Phase::Booting);
         if running && now.since(last).nanos() > period.nanos() + self.tolerance(period).nanos() {
-            let expected = format!("heartbeats every {period}");
-            let actual = format!("none for {}", now.since(last));
-            return Err(violation(Property::NmtState, "period of the heartbeat", expected, actual, now));
+            return Err(self.wrong_period(now, period, format!("none for {}", now.since(last))));
         }
         Ok(())
+    }
+
+    fn wrong_period(&self, now: Timestamp, period: Duration, actual: String) -> Violation {
+        let expected = format!("heartbeats every {period}");
+        let tolerance = self.tolerance(period);
+        let least = Duration(period.nanos().saturating_sub(tolerance.nanos()));
+        let wrong = violation(Property::NmtState, "period of the heartbeat", expected, actual, now);
+        Violation { interval: Some((least, period + tolerance)), ..wrong }
     }
 
     /// The tolerance of the heartbeat period.
@@ -586,6 +637,32 @@ impl Slave {
 
 /// The producer heartbeat time in ms.
 const HEARTBEAT_TIME: Multiplexer = Multiplexer::new(object::PRODUCER_HEARTBEAT_TIME, 0);
+
+/// The phase to which an error with this code leads a device in operational; `None` if it stays. Sub-index 1 of 1029h is
+/// for communication errors. The device decides which class any other error belongs to.
+fn after_error(code: Option<EmcyCode>, expected_values: &ExpectedValues, knowledge: &Knowledge) -> Option<Phase> {
+    let communication = code.is_some_and(|code| matches!(code.0 >> 8, 0x81 | 0x82));
+    let classes = 1..=if communication { 1 } else { ERROR_CLASSES };
+    let exists = |sub: &u8| {
+        !knowledge.is_described() || knowledge.entry(Multiplexer::new(object::ERROR_BEHAVIOR, *sub)).is_some()
+    };
+    let (mut stays, mut leaves) = (false, false);
+    for sub in classes.filter(exists) {
+        match expected_values.number(knowledge, object::ERROR_BEHAVIOR, sub) {
+            Some(1) => stays = true,
+            Some(0) => leaves = true,
+            _ => return Some(Phase::Unsure),
+        }
+    }
+    (!stays || leaves).then_some(Phase::Running)
+}
+
+/// Whether a dictionary with guarding is described, or the manual says that the device answers guarding requests. 100Ch
+/// is mandatory for devices with node guarding (CiA 301, 7.5.2.11).
+fn guards(knowledge: &Knowledge) -> bool {
+    let is_described = knowledge.entry(Multiplexer::new(object::GUARD_TIME, 0)).is_some();
+    knowledge.services.guarding.unwrap_or(is_described)
+}
 
 /// Whether a frame commands a reset of the device, alone or with all nodes.
 fn resets(frame: &Frame, knowledge: &Knowledge) -> bool {

@@ -3,7 +3,7 @@
 use super::expected_values::ExpectedValues;
 use super::nmt::{Phase, Slave};
 use super::sync_count::SyncCount;
-use super::{Served, Violation, violation};
+use super::{Served, Symptom, Violation, violation};
 use crate::Knowledge;
 use crate::property::Property;
 use canvass_analyzer::object;
@@ -264,6 +264,10 @@ impl Pdos {
         if unknown || changing || knowledge.bystanders.contains(&(id as u16)) {
             return Ok(());
         }
+        if let Some(message) = expected_values.is_off(id as u16) {
+            let expected = format!("no message with this identifier: {}", message.reason());
+            return Err(violation(Property::Produced, message.rule(), expected, format!("{frame}"), now));
+        }
         let expected = "frames only on the identifiers of its services and valid PDOs";
         Err(violation(Property::Pdo, "identifier", expected, format!("{frame}"), now))
     }
@@ -281,7 +285,7 @@ impl Pdos {
                     false => ("synchronous TPDO", "the SYNC"),
                 };
                 let expected = format!("the TPDO of {:04X}h after {cause}", seen.index);
-                return Err(violation(Property::Pdo, rule, expected, "none", now));
+                return Err(missing(seen, violation(Property::Pdo, rule, expected, "none", now)));
             }
         }
         Ok(())
@@ -308,11 +312,24 @@ impl Pdos {
             if last > Timestamp::ZERO && now.since(last) > late(period, knowledge.patience.jitter) + seen.lag {
                 let expected = format!("the TPDO of {:04X}h every {period}", seen.index);
                 let actual = format!("none for {}", now.since(last));
-                return Err(violation(Property::Pdo, "event timer", expected, actual, now));
+                let wrong = missing(seen, violation(Property::Pdo, "event timer", expected, actual, now));
+                let most = late(period, knowledge.patience.jitter) + seen.lag;
+                return Err(Violation { interval: Some((Duration::ZERO, most)), ..wrong });
             }
         }
         Ok(())
     }
+}
+
+/// Adds the allowed time between two PDOs to a violation.
+fn within(judged: Result<(), Violation>, least: Duration, most: Duration) -> Result<(), Violation> {
+    judged.map_err(|wrong| Violation { interval: Some((least, most)), ..wrong })
+}
+
+/// The violation as the absence of the PDO shows it.
+fn missing(seen: &Seen, violation: Violation) -> Violation {
+    let can_id = seen.parameters.cob_id.and_then(|cob_id| u16::try_from(cob_id.can_id()).ok());
+    Violation { symptom: Symptom::Missing(can_id), ..violation }
 }
 
 impl Seen {
@@ -355,7 +372,7 @@ impl Seen {
         let wrong = |rule, expected: String, actual: String| Err(violation(Property::Pdo, rule, expected, actual, now));
         if nmt.serves_pdo(now) == Served::No {
             let expected = "no PDO outside operational".to_owned();
-            return wrong("PDO outside operational", expected, format!("{frame} in {:?}", nmt.phase()));
+            return wrong("PDO outside operational", expected, format!("{frame} in {}", nmt.phase().name()));
         }
         if let Some(len) = parameters.length
             && frame.len() != len
@@ -399,11 +416,14 @@ impl Seen {
             && inhibit > jitter
             && interval.nanos() + jitter.nanos() < inhibit.nanos()
         {
-            return wrong("inhibit time", format!("at least {inhibit} between two"), format!("{interval}"));
+            let judged = wrong("inhibit time", format!("at least {inhibit} between two"), format!("{interval}"));
+            let least = Duration(inhibit.nanos() - jitter.nanos());
+            return within(judged, least, Duration(u64::MAX));
         }
         match parameters.period() {
-            Some(period) if interval > late(period, jitter) + lag => {
-                wrong("event timer", format!("the TPDO every {period}"), format!("after {interval}"))
+            Some(period) if !nmt.has_error() && interval > late(period, jitter) + lag => {
+                let judged = wrong("event timer", format!("the TPDO every {period}"), format!("after {interval}"));
+                within(judged, Duration::ZERO, late(period, jitter) + lag)
             }
             _ => Ok(()),
         }

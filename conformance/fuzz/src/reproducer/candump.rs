@@ -1,7 +1,8 @@
 //! Conversion of a sequence to a candump log and back.
 
-use super::super::stimulus::{Sequence, Start, Stimulus, Then};
-use canvass_traces::{Duration, Frame, Timestamp};
+use crate::campaign::Found;
+use crate::stimulus::{SETTLE, Sequence, Start, Stimulus, Then};
+use canvass_traces::{Direction, Duration, Frame, Record, Timestamp};
 use std::fmt::Write;
 
 /// Comment of a log whose sequence begins with a device without node-ID.
@@ -13,24 +14,82 @@ const LAST_WAIT: &str = "# end: after ";
 /// Maximum wait after the last frame in ms. No reproducer needs a longer wait.
 const LONGEST_WAIT: u64 = 60_000;
 
+/// Comment of a log before the frames that bring the device to the start of the sequence.
+const PRELUDE: &str =
+    "# before the sequence: the SDO server is used and the node reset, as a reset need not clear its buffers";
+
+/// Comment of a log before the frames of the sequence, if there are frames before it.
+const SEQUENCE: &str = "# the sequence";
+
+/// Comment with a frame of the device.
+const ANSWER: &str = "# the device: ";
+
 /// The frames of a sequence as a candump log, for `canplayer` and `canvass fuzz --replay`. The time stamps say when to
 /// send the frames: 100 ms apart if the device needs time, otherwise at once.
 pub fn candump(sequence: &Sequence) -> String {
-    let mut now = Timestamp::ZERO;
-    let head = if sequence.start == Start::Unconfigured { format!("{UNCONFIGURED}\n") } else { String::new() };
-    let mut text = sequence.stimuli.iter().fold(head, |mut text, stimulus| {
-        // Writing to a string can't fail.
-        let nanos = now.nanos();
-        let _ = writeln!(
-            text,
-            "({:010}.{:06}) can0 {}",
-            nanos / 1_000_000_000,
-            nanos % 1_000_000_000 / 1_000,
-            compact(&stimulus.frame)
-        );
-        now += wait_after(stimulus);
-        text
-    });
+    let mut text = head(sequence);
+    for (at, stimulus) in times(sequence).zip(&sequence.stimuli) {
+        line(&mut text, "", at, &stimulus.frame);
+    }
+    end(text, sequence)
+}
+
+/// The log of a violation: the frames before its sequence, the sequence, and as comments the frames that the device sent
+/// meanwhile.
+pub fn log(found: &Found) -> String {
+    let (whole, before) = (found.whole(), found.prelude.len());
+    let mut text = head(&whole);
+    if before > 0 {
+        let _ = writeln!(text, "{PRELUDE}");
+    }
+    let mut sent = answers(&found.evidence).into_iter();
+    for (number, (at, stimulus)) in times(&whole).zip(&whole.stimuli).enumerate() {
+        if before > 0 && number == before {
+            let _ = writeln!(text, "{SEQUENCE}");
+        }
+        line(&mut text, "", at, &stimulus.frame);
+        let answers = if number < before { None } else { sent.next() };
+        for (delay, frame) in answers.unwrap_or_default() {
+            line(&mut text, ANSWER, at + delay, &frame);
+        }
+    }
+    end(text, &whole)
+}
+
+/// The frames of the device after each own frame, with their delays.
+fn answers(evidence: &[Record]) -> Vec<Vec<(Duration, Frame)>> {
+    let mut sent: Vec<(Timestamp, Vec<(Duration, Frame)>)> = Vec::new();
+    for record in evidence {
+        match (record.direction, sent.last_mut()) {
+            (Direction::Tx, _) => sent.push((record.timestamp, Vec::new())),
+            (_, Some((at, answers))) => answers.push((record.timestamp.since(*at), record.frame)),
+            (_, None) => {}
+        }
+    }
+    sent.into_iter().map(|(_, answers)| answers).collect()
+}
+
+fn head(sequence: &Sequence) -> String {
+    if sequence.start == Start::Unconfigured { format!("{UNCONFIGURED}\n") } else { String::new() }
+}
+
+/// The time at which each frame of the sequence is sent.
+pub(super) fn times(sequence: &Sequence) -> impl Iterator<Item = Timestamp> {
+    sequence.stimuli.iter().scan(Timestamp::ZERO, |now, stimulus| {
+        let at = *now;
+        *now += wait_after(stimulus);
+        Some(at)
+    })
+}
+
+fn line(text: &mut String, comment: &str, at: Timestamp, frame: &Frame) {
+    let (seconds, micros) = (at.nanos() / 1_000_000_000, at.nanos() % 1_000_000_000 / 1_000);
+    // Writing to a string can't fail.
+    let _ = writeln!(text, "{comment}({seconds:010}.{micros:06}) can0 {}", compact(frame));
+}
+
+/// The log with the wait after its last frame.
+fn end(mut text: String, sequence: &Sequence) -> String {
     if let Some(Stimulus { then: Then::Pause(time), .. }) = sequence.stimuli.last() {
         let _ = writeln!(text, "{LAST_WAIT}{} ms", time.nanos().div_ceil(1_000_000));
     }
@@ -43,13 +102,10 @@ pub(super) fn last_wait(log: &str) -> Option<Duration> {
     number.trim().parse().ok().filter(|millis| *millis <= LONGEST_WAIT).map(Duration::from_millis)
 }
 
-/// The pause that `canplayer` and a replay make after a settled frame.
-pub(super) const SETTLE: Duration = Duration::from_millis(100);
-
 /// Frames at a smaller distance follow each other at once.
 const AT_ONCE: Duration = Duration::from_micros(1);
 
-fn wait_after(stimulus: &Stimulus) -> Duration {
+pub(super) fn wait_after(stimulus: &Stimulus) -> Duration {
     match stimulus.then {
         Then::Settle => SETTLE,
         Then::AtOnce => AT_ONCE,

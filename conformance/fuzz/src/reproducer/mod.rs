@@ -1,4 +1,4 @@
-//! The reproducers of a violation: a log that can be replayed, and a Rust test.
+//! The reproducers of a violation: a log that can be replayed, a Rust test, and a test for pytest.
 //!
 //! A regression file contains several such logs, one after the other. Each begins with a line that begins with
 //! [`HEAD`]:
@@ -12,9 +12,15 @@
 //! `canplayer` and readers of candump logs read only the frames of such a file.
 
 mod candump;
+mod check;
+mod player;
+mod pytest;
 mod rust_test;
 
-pub use candump::{candump, sequence};
+pub use candump::{candump, log, sequence};
+pub use check::Check;
+pub use player::{Played, play};
+pub use pytest::pytest;
 pub use rust_test::rust_test;
 
 use super::campaign::{self, Found, FuzzError};
@@ -60,7 +66,7 @@ impl From<Damage> for ReplayError {
 pub fn regression(found: &Found, seed: u64) -> String {
     let (property, rule) = (found.violation.property, found.violation.rule);
     let version = env!("CARGO_PKG_VERSION");
-    format!("{HEAD} {property} {rule}, seed {seed}, canvass {version}\n{}", candump(&found.sequence))
+    format!("{HEAD} {property} {rule}, seed {seed}, canvass {version}\n{}", log(found))
 }
 
 /// The sequences of a file: reproducers of violations, or a capture in any format. Of a capture only the frames that

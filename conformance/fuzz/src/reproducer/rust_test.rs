@@ -1,6 +1,6 @@
 //! A violation as a Rust test, for the tests of a firmware or of a stack.
 
-use super::candump;
+use super::log;
 use crate::campaign::Found;
 use canvass_analyzer::NodeId;
 use std::fmt::Write;
@@ -10,7 +10,7 @@ use std::fmt::Write;
 pub fn rust_test(found: &Found, bus: &str, node: NodeId, seed: u64) -> String {
     let violation = &found.violation;
     let (property, rule) = (violation.property, violation.rule);
-    let log = candump(&found.sequence).lines().fold(String::new(), |mut lines, line| {
+    let log = log(found).lines().fold(String::new(), |mut lines, line| {
         // Writing to a string can't fail.
         let _ = writeln!(lines, "{line}");
         lines
@@ -46,6 +46,6 @@ fn {name}() {{
 }
 
 /// A text as an identifier: `PROP-02 initiate upload` becomes `prop_02_initiate_upload`.
-fn identifier(text: &str) -> String {
+pub(super) fn identifier(text: &str) -> String {
     text.chars().map(|c| if c.is_ascii_alphanumeric() { c.to_ascii_lowercase() } else { '_' }).collect()
 }

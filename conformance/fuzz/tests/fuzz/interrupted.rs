@@ -143,6 +143,7 @@ fn fuzz_after(
         stop_at_first: false,
         regressions,
         only_regressions: false,
+        corpus: Vec::new(),
     };
     campaign(bus, knowledge, &plan, go_on).unwrap()
 }
@@ -181,7 +182,7 @@ fn a_fault_is_found_and_confirmed_between_interruptions() {
 fn what_was_found_is_kept() {
     let (mut kept, mut cut_off) = (0, 0);
     for moment in 0..250 {
-        let gone = Timestamp::ZERO + Duration::from_millis(400 + moment * 8);
+        let gone = Timestamp::ZERO + Duration::from_millis(400 + moment * 30);
         let mut bus = Interrupted::gone_at(device(Fault::SdoToggleUnchecked), gone);
         let mut told = 0;
         let outcome = fuzz_after(vec![toggle_repeated()], &mut bus, Target::Sdo, &mut |progress| {

@@ -52,6 +52,7 @@ fn a_device_on_a_bus_is_not_worn_out_renamed_or_given_company() {
             stop_at_first: false,
             regressions: Vec::new(),
             only_regressions: false,
+            corpus: Vec::new(),
         };
         let outcome =
             campaign(&mut bus, knowledge.clone(), &plan, &mut |progress| progress.executions < 4_000).unwrap();

@@ -42,6 +42,7 @@ fn plan(target: Target) -> Plan {
         stop_at_first: false,
         regressions: Vec::new(),
         only_regressions: false,
+        corpus: Vec::new(),
     }
 }
 

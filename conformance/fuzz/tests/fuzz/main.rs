@@ -9,6 +9,7 @@ mod interrupted;
 mod limits;
 mod live;
 mod perishable;
+mod proofs;
 mod reproduced;
 mod right_answers;
 mod stands;

@@ -51,3 +51,14 @@ fn a_reserved_entry_that_is_described_is_none() {
     assert!(model.description().dictionary.entry(reserved).is_ok());
     assert!(knowledge.entry(reserved).is_none() && knowledge.has_index(reserved));
 }
+
+/// 2105h of these devices stores node-ID and bit rate, and they are silent for 14 ms meanwhile, as after 1010h.
+#[test]
+fn a_device_may_be_silent_while_it_stores_by_an_object_of_its_own() {
+    for model in ["kuebler-sendix-58x8", "kuebler-sendix-f58", "kuebler-sendix-f58m", "kuebler-sendix-m58"] {
+        let log = "(0000000000.000000) can0 605#2305210073617665\n(0000000000.005000) can0 605#4000100000000000\n";
+        let bus = format!("sim:{model}");
+        let judged = replay(&bus, NodeId::new(5), None, log.as_bytes()).unwrap();
+        assert!(judged.is_none(), "{model}: {judged:#?}");
+    }
+}

@@ -80,6 +80,7 @@ fn plan() -> Plan {
         stop_at_first: false,
         regressions: Vec::new(),
         only_regressions: false,
+        corpus: Vec::new(),
     }
 }
 
@@ -97,7 +98,7 @@ fn on_a_bus(failing: Failing, left: u32) -> Outcome {
 
 #[test]
 fn what_shows_once_only_is_told_so_with_its_trace() {
-    let outcome = on_a_bus(Failing::Once, 14);
+    let outcome = on_a_bus(Failing::Once, 16);
     let [found] = &outcome.violations[..] else { panic!("{:?}", outcome.violations) };
     assert!(!found.confirmed && !outcome.dead);
     assert_eq!(found.violation.property, Property::Responsive);

@@ -17,7 +17,6 @@ use crate::coverage::{Answer, Command, Coverage, SdoState};
 use crate::property::Property;
 use awaited::Awaited;
 use canvass_analyzer::Multiplexer;
-use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::{BlockSegment, Request};
 use canvass_traces::{Duration, Frame, Timestamp};
@@ -250,7 +249,7 @@ impl Server {
             }
         }
         // The answer to a store command may take seconds, longer than the required silence.
-        let was_storing = self.written_object().is_some_and(|at| is_store(at, knowledge));
+        let was_storing = self.written_object().is_some_and(|at| knowledge.stores(at));
         let may_come = matches!(self.awaited, Awaited::ConfirmBlock { required: false, .. });
         let unsettled = std::mem::replace(&mut self.unsettled, true);
         self.overlapped |= self.due < Timestamp::MAX || self.awaited.is_open() || may_come && unsettled;
@@ -467,11 +466,5 @@ const fn initiates(request: &Request) -> bool {
 fn stores(frame: &Frame, knowledge: &Knowledge) -> bool {
     let [command, low, high, sub, ..] = frame.bytes();
     let at = Multiplexer::from_bytes([low, high, sub]);
-    is_store(at, knowledge) && matches!(command >> 5, 1 | 6)
-}
-
-/// Whether writing the object stores parameters.
-fn is_store(at: Multiplexer, knowledge: &Knowledge) -> bool {
-    matches!(at.index.0, object::STORE_PARAMETERS | object::RESTORE_DEFAULT_PARAMETERS)
-        || knowledge.services.bus_save_object == Some(at)
+    knowledge.stores(at) && matches!(command >> 5, 1 | 6)
 }

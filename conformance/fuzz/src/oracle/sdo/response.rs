@@ -20,16 +20,18 @@ struct Wrong {
     property: Property,
     expected: Option<String>,
     actual: String,
+    /// The abort code, if only the code of the abort is wrong.
+    abort: Option<AbortCode>,
 }
 
 type Judged = Result<(), Wrong>;
 
 fn wrong(property: Property, actual: impl Into<String>) -> Wrong {
-    Wrong { property, expected: None, actual: actual.into() }
+    Wrong { property, expected: None, actual: actual.into(), abort: None }
 }
 
 fn instead(property: Property, expected: impl Into<String>, actual: impl Into<String>) -> Wrong {
-    Wrong { property, expected: Some(expected.into()), actual: actual.into() }
+    Wrong { property, expected: Some(expected.into()), actual: actual.into(), abort: None }
 }
 
 /// The violation of an answer that does not fit the request.
@@ -69,10 +71,11 @@ impl Server {
         }
         self.last = now;
         let judged = self.judge(now, frame, knowledge, expected_values, coverage);
-        judged.map(|()| expected_values.has_stored()).map_err(|wrong| {
+        judged.map(|()| expected_values.has_stored(knowledge)).map_err(|wrong| {
             let expected = wrong.expected.unwrap_or_else(|| awaited.text());
             self.reset();
-            violation(wrong.property, awaited.rule(), expected, wrong.actual, now)
+            let violation = violation(wrong.property, awaited.rule(), expected, wrong.actual, now);
+            Violation { abort: wrong.abort, ..violation }
         })
     }
 
@@ -521,9 +524,13 @@ fn check_abort(abort: Abort, codes: CodeSet, at: Option<Multiplexer>) -> Judged 
     if codes.has(abort.code) {
         return Ok(());
     }
-    let code = abort.code.0;
-    let actual = format!("abort {:04X} {:04X}h", code >> 16, code & 0xFFFF);
-    Err(instead(Property::LegalSdo, format!("abort {}", codes.text()), actual))
+    let wrong = instead(Property::LegalSdo, format!("abort {}", codes.text()), coded(abort.code));
+    Err(Wrong { abort: Some(abort.code), ..wrong })
+}
+
+/// The code as text: `abort 0602 0000h`.
+fn coded(code: AbortCode) -> String {
+    format!("abort {:04X} {:04X}h", code.0 >> 16, code.0 & 0xFFFF)
 }
 
 fn check_readable(reading: Reading, frame: &Frame) -> Judged {
@@ -536,8 +543,7 @@ fn refused_read(abort: Abort, reading: Reading) -> Judged {
     if codes.has(abort.code) {
         return Ok(());
     }
-    let code = abort.code.0;
-    Err(wrong(Property::Consistent, format!("abort {:04X} {:04X}h", code >> 16, code & 0xFFFF)))
+    Err(Wrong { abort: Some(abort.code), ..wrong(Property::Consistent, coded(abort.code)) })
 }
 
 fn refused_write(abort: Abort, at: Multiplexer, writing: Writing, expected_values: &mut ExpectedValues) -> Judged {
