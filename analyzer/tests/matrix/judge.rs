@@ -59,7 +59,7 @@ const SECTIONS: [(&str, &[&str]); 11] = [
     ("lss", &["lss"]),
     ("lmt", &["lss", "lmt"]),
     ("node", &["nodes"]),
-    ("error-frame", &["bus"]),
+    ("error", &["capture"]),
 ];
 
 impl Truth {
@@ -70,7 +70,7 @@ impl Truth {
             let frames = fate.instead.iter().chain(fate.also.iter().map(|(_, frame)| frame));
             for frame in frames.chain([&plan.frames[*place].frame]) {
                 can_ids.insert(frame.id().raw());
-                nodes.insert((frame.id().raw() & 0x7F) as u8);
+                nodes.extend(node_of(frame.id().raw()));
                 // An NMT command names its node.
                 nodes.extend(frame.data().get(1).filter(|_| frame.id().raw() == 0));
             }
@@ -123,7 +123,7 @@ impl Truth {
         let is_evident = self.is_evident(finding, &self.can_ids);
         let is_of_section = match self.node {
             // A message of the bus is named by its own service, not by what follows for a node.
-            0 => section == self.service(),
+            0 => finding.rule.id.contains(self.service()),
             _ => finding.node.is_some() && self.sections().contains(&section),
         };
         (is_evident || is_of_section) && self.is_about_its_node(finding) && self.is_in_time(finding)
@@ -143,6 +143,11 @@ impl fmt::Display for Truth {
         write!(f, "{} of node {} from {at:.3} s, CAN-IDs", self.sort.id(), self.node)?;
         self.can_ids.iter().try_for_each(|id| write!(f, " {id:03X}h"))
     }
+}
+
+/// The node of a CAN-ID of the predefined connection set.
+fn node_of(can_id: u32) -> Option<u8> {
+    matches!(can_id, 0x081..0x100 | 0x181..0x780).then_some((can_id & 0x7F) as u8)
 }
 
 /// Diagnoses records.

@@ -83,16 +83,17 @@ impl Measure {
             let numbers: Vec<usize> = (0..count).collect();
             let diagnosed = on_all_cores(&numbers, |number| {
                 let network = healthy(*seed, *number);
-                judge::diagnose(&play(&network.plan, &HashMap::new()), &network.descriptions())
+                let results = judge::diagnose(&play(&network.plan, &HashMap::new()), &network.descriptions());
+                let told = results.findings.iter();
+                told.map(|finding| (finding.rule.id, finding.severity, judge::show(0, finding))).collect::<Vec<_>>()
             });
-            for (number, results) in diagnosed.iter().enumerate() {
+            for (number, findings) in diagnosed.into_iter().enumerate() {
                 self.healthy += 1;
-                let accuses = |severity: Severity| severity != Severity::Info;
-                for finding in results.findings.iter().filter(|finding| !accuses(finding.severity)) {
-                    *self.informed.entry(finding.rule.id).or_default() += 1;
-                }
-                if let Some(worst) = results.findings.iter().find(|finding| accuses(finding.severity)) {
-                    self.accused.push(format!("healthy/{number}@{seed}: {}", judge::show(0, worst)));
+                let (informed, accused): (Vec<_>, Vec<_>) =
+                    findings.into_iter().partition(|(_, severity, _)| *severity == Severity::Info);
+                informed.iter().for_each(|(rule, ..)| *self.informed.entry(rule).or_default() += 1);
+                if let Some((.., worst)) = accused.first() {
+                    self.accused.push(format!("healthy/{number}@{seed}: {worst}"));
                 }
             }
         }

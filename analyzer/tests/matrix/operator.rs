@@ -125,24 +125,6 @@ impl Operator {
                 is_swapped: true,
                 ..Fate::default()
             },
-            Self::Change(field) => format!("change-{}", field.name.to_lowercase().replace(' ', "-")),
-            _ => self.row().to_owned(),
-        }
-    }
-
-    /// The fate of a frame; `next` is the next frame of the same sender with the same identifier.
-    fn fate(self, plan: &Plan, place: usize, next: Option<usize>, draw: &mut Draw) -> Fate {
-        let planned = &plan.frames[place];
-        let instead = |frame: Option<Frame>| Fate { instead: frame, ..Fate::default() };
-        match self {
-            Self::Drop | Self::BeginLate => Fate { lost: true, ..Fate::default() },
-            Self::Delay => Fate { shift: late(planned), ..Fate::default() },
-            Self::Jitter => Fate { shift: deviation(planned, draw), ..Fate::default() },
-            Self::Duplicate => Fate { also: vec![(300_000, planned.frame)], ..Fate::default() },
-            Self::Reorder => {
-                let gap = next.map_or(20 * MS, |next| plan.frames[next].at.saturating_sub(planned.at));
-                Fate { shift: (gap + 200_000) as i64, ..Fate::default() }
-            }
             Self::Change(field) => instead(changed(&planned.frame, field, draw)),
             Self::OtherSender => Fate { also: vec![other_sender(planned, draw)], ..Fate::default() },
             Self::Shorter => {

@@ -94,8 +94,6 @@ const fn pdo(name: &'static str) -> Sort {
 impl Sort {
     /// The remote frame of node guarding.
     pub const GUARDING_REQUEST: Self = named("error-control", "guarding request");
-    /// The answer to it.
-    pub const GUARDING: Self = layout("error-control", &GUARDING);
     /// The remote frame that asks for a PDO.
     pub const PDO_REQUEST: Self = named("pdo", "PDO request");
     /// A multiplexed PDO.
@@ -108,6 +106,11 @@ impl Sort {
     pub const ERROR_FRAME: Self = named("error-frame", "error frame");
     /// All that one node sends: its supply, its wire.
     pub const ALL_OF_A_NODE: Self = named("node", "everything");
+
+    /// The answer to a guarding request.
+    pub const fn guarding() -> Self {
+        layout("error-control", &GUARDING)
+    }
 
     /// A segment of a block upload.
     pub const fn block_upload() -> Self {

@@ -39,15 +39,21 @@ fn every_frame_is_of_its_sort() {
         }
         for record in play(&network.plan, &HashMap::new()) {
             let message = decoder.handle(&record).message;
-            let sort = Sort::of_message(&message).unwrap_or_else(|| panic!("{:?}: {message:?}", record.frame));
             let group = meant[&(record.frame.id(), record.frame.kind())];
+            // Only the second half of an SRDO shows what the first one is.
+            let Some(sort) = Sort::of_message(&message) else {
+                assert_eq!(group, Sort::SRDO.group, "{:?}: {message:?}", record.frame);
+                continue;
+            };
             let service = |group: &str| group.split('-').next().map(str::to_owned);
             assert_eq!(service(sort.group), service(group), "{:?}: {message:?}", record.frame);
             decoded.insert(sort.id());
         }
     }
-    let is_by_trigger = |id: &String| id.starts_with("pdo/") || id == "node/everything";
+    // Neither a PDO's trigger nor a guarding request is in the message itself.
+    let is_by_others =
+        |id: &String| id.starts_with("pdo/") || id == "error-control/guarding" || id == "node/everything";
     let missing: Vec<String> =
-        Sort::all().iter().map(Sort::id).filter(|id| !decoded.contains(id) && !is_by_trigger(id)).collect();
+        Sort::all().iter().map(Sort::id).filter(|id| !decoded.contains(id) && !is_by_others(id)).collect();
     assert_eq!(missing, [""; 0]);
 }

@@ -158,8 +158,13 @@ impl Network {
             let mpdo = Mpdo { addressing: Addressing::Source, node: node.id, object, data: [a, b, 0, 0] };
             return Planned::new(at, mpdo.to_frame(can_id), Sort::MPDO, node.id).by_node();
         }
-        let changes = pdo.moves || matches!(pdo.trigger, Trigger::Event | Trigger::Acyclic);
-        let data = if changes { value } else { [pdo.number, 2, 3, 4, 5, 6, 7, 8] };
+        let data = match pdo.trigger {
+            Trigger::Event | Trigger::Acyclic => value,
+            // What moves all the time may as well be sent by events; a timer also sends what has not changed.
+            Trigger::Timer if pdo.moves => (at / (16 * pdo.period) * 0x0101_0101_0101).to_le_bytes(),
+            _ if pdo.moves => value,
+            _ => [pdo.number, 2, 3, 4, 5, 6, 7, 8],
+        };
         let frame = frame(can_id, &data[..pdo.length.into()]);
         match pdo.is_transmitted {
             true => Planned::new(at, frame, Sort::tpdo(pdo.trigger), node.id).by_node(),
@@ -176,7 +181,7 @@ impl Network {
             let cause = self.plan.add(Planned::new(at, request, Sort::GUARDING_REQUEST, node.id).every(period));
             let answer = ErrorControl { toggle: count % 2 == 1, state: State::PRE_OPERATIONAL }.to_frame(can_id);
             let at = at + self.draw.about(node.response, 200);
-            let planned = Planned::new(at, answer, Sort::GUARDING, node.id).every(period).by_node();
+            let planned = Planned::new(at, answer, Sort::guarding(), node.id).every(period).by_node();
             self.plan.add(planned.because_of(cause));
         }
     }
