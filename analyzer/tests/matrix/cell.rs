@@ -85,10 +85,7 @@ impl Cell {
     pub fn measure(&self, seed: u64) -> Option<Outcome> {
         let (network, records, truth) = self.records(seed)?;
         let descriptions = network.descriptions();
-        let before = match self.events() {
-            Events::None => Vec::new(),
-            Events::Some => judge::diagnose(&play(&network.plan, &HashMap::new()), &descriptions).findings,
-        };
+        let before = judge::diagnose(&play(&network.plan, &HashMap::new()), &descriptions).findings;
         let results = judge::diagnose(&records, &descriptions);
         let verdict = judge::verdict(&results, &before, &truth);
         Some(Outcome { verdict, findings: judge::shown(&results, &before), truth: truth.to_string() })

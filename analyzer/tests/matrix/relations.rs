@@ -153,10 +153,8 @@ fn written(records: &[Record], format: Format) -> Option<Vec<u8>> {
     }
     writer.finish().ok()?;
     let is_kept = |loss: Loss| {
-        matches!(
-            loss,
-            Loss::ChannelName | Loss::Direction | Loss::Date | Loss::UnknownDate | Loss::TimeZone | Loss::Comment
-        )
+        loss == Loss::ChannelName && highest == 0
+            || matches!(loss, Loss::Direction | Loss::Date | Loss::UnknownDate | Loss::TimeZone | Loss::Comment)
     };
     let is_whole = writer.losses().iter().all(|(loss, _)| is_kept(loss));
     drop(writer);

@@ -26,7 +26,7 @@ fn every_message_is_sent_by_a_network() {
 #[test]
 fn every_frame_is_of_its_sort() {
     let mut decoded = BTreeSet::new();
-    for network in networks().step_by(2) {
+    for network in networks() {
         let meant: HashMap<_, _> = network
             .plan
             .frames
@@ -40,9 +40,9 @@ fn every_frame_is_of_its_sort() {
         for record in play(&network.plan, &HashMap::new()) {
             let message = decoder.handle(&record).message;
             let group = meant[&(record.frame.id(), record.frame.kind())];
-            // Only the second half of an SRDO shows what the first one is.
+            // Only the second half of an SRDO shows what the first one is, and a PDO has no use while it is configured.
             let Some(sort) = Sort::of_message(&message) else {
-                assert_eq!(group, Sort::SRDO.group, "{:?}: {message:?}", record.frame);
+                assert!(matches!(group, "srdo" | "pdo"), "{:?}: {message:?}", record.frame);
                 continue;
             };
             let service = |group: &str| group.split('-').next().map(str::to_owned);

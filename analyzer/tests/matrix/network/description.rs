@@ -59,10 +59,15 @@ impl Text {
     }
 
     fn array(&mut self, index: u16, name: &str, subs: &[(&str, u8, &str)]) {
+        self.array_of(index, name, &subs.len().to_string(), subs);
+    }
+
+    /// An array whose sub-index 0 has this value.
+    fn array_of(&mut self, index: u16, name: &str, highest: &str, subs: &[(&str, u8, &str)]) {
         self.objects.push(index);
-        let (count, highest) = (subs.len() + 1, subs.len());
+        let count = subs.len() + 1;
         let _ = write!(self.sections, "[{index:04X}]\nParameterName={name}\nObjectType=0x9\nSubNumber={count}\n\n");
-        self.entry(&format!("{index:04X}sub0"), "Highest sub-index supported", U8, "rw", &highest.to_string());
+        self.entry(&format!("{index:04X}sub0"), "Highest sub-index supported", U8, "rw", highest);
         for (sub, (name, data_type, default)) in (1..).zip(subs) {
             self.entry(&format!("{index:04X}sub{sub:X}"), name, *data_type, "rw", default);
         }
@@ -82,7 +87,11 @@ impl Text {
         self.array(pdo.communication(), "PDO communication parameter", &parameters);
         let entries: Vec<String> = pdo.entries().iter().map(|entry| format!("0x{entry:08X}")).collect();
         let rows: Vec<_> = entries.iter().map(|entry| ("Mapped object", U32, entry.as_str())).collect();
-        self.array(pdo.mapping(), "PDO mapping parameter", &rows);
+        // A multiplexed PDO has a number in place of entries.
+        match pdo.is_multiplexed {
+            true => self.array_of(pdo.mapping(), "PDO mapping parameter", "0xFE", &[]),
+            false => self.array(pdo.mapping(), "PDO mapping parameter", &rows),
+        }
         let index = (pdo.entries()[0] >> 16) as u16;
         let values: Vec<_> = entries.iter().map(|_| ("Value", U8, "0")).collect();
         self.array(index, "Process data", &values);

@@ -107,7 +107,7 @@ impl Network {
         let [active, negotiation, asks_active, detected, detection, force] = FLYING_MASTERS;
         for message in [detection, detected, asks_active, force, negotiation, active] {
             at += self.draw.between(20, 100) * MS;
-            self.plan.put(Planned::new(at, message.to_frame(), Sort::flying_master(message), 0), false);
+            self.plan.add(Planned::new(at, message.to_frame(), Sort::flying_master(message), 0));
         }
         at
     }
