@@ -3,12 +3,14 @@ use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::message::{Message, Service};
 use crate::wire::Malformed as Unreadable;
+use crate::wire::flying_master::FlyingMaster;
+use crate::wire::nmt::Nmt;
 use canvass_macros::rule;
 
 /// a frame has the wrong length for its service, or can't be decoded
 ///
 /// A frame on a CAN-ID of NMT, error control, SYNC, TIME, EMCY, SDO, LSS or LMT has more or fewer bytes than the
-/// standard defines for that service, or its bytes have no meaning there. Each service and length has its own finding.
+/// standard defines for that service, or its bytes have no meaning there; an NMT command has a reserved specifier. Each service and length has its own finding.
 /// An EMCY without bytes is not reported: it is the boot-up message of devices before CiA 301 V4.
 ///
 /// # Why
@@ -21,7 +23,7 @@ use canvass_macros::rule;
     id = "bus/malformed",
     severity = Warning,
     rank = Detail,
-    services = [Nmt, Heartbeat, BootUp, Guarding, Sync, Time, Emcy, Sdo, Lss, Lmt, FlyingMaster]
+    services = [Nmt, Heartbeat, BootUp, Guarding, Sync, Time, Emcy, Sdo, Lss, Lmt, Srdo, FlyingMaster]
 )]
 struct Malformed;
 
@@ -41,7 +43,18 @@ impl Rule for Malformed {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         let service = context.decoded.service;
         let length = context.record.frame.len();
-        let (least, most) = lengths(service);
+        let (least, most) = match context.message() {
+            Message::GlobalFailSafe => (0, 0),
+            Message::FlyingMaster(FlyingMaster::ActiveMaster { .. }) => (2, 2),
+            Message::FlyingMaster(_) => (0, 0),
+            _ => lengths(service),
+        };
+        if let Message::Nmt(Nmt { command, .. }) = context.message()
+            && command.name().is_none()
+        {
+            let report = Report::at(context.now()).detail(1 << 16 | u64::from(command.0));
+            sink.report(report.evidence(context.evidence()), || format!("an NMT message with the {command}"));
+        }
         let is_right = (least..=most).contains(&length);
         let unreadable = match context.message() {
             Message::Malformed(_, error) => Some(*error),
