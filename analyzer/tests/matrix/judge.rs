@@ -123,7 +123,7 @@ impl Truth {
         let is_evident = self.is_evident(finding, &self.can_ids);
         let is_of_section = match self.node {
             // A message of the bus is named by its own service, not by what follows for a node.
-            0 => finding.rule.id.contains(self.service()),
+            0 => finding.rule.id.contains(self.service()) || self.service() == "lmt" && section == "lss",
             _ => finding.node.is_some() && self.sections().contains(&section),
         };
         (is_evident || is_of_section) && self.is_about_its_node(finding) && self.is_in_time(finding)

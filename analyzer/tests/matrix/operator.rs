@@ -119,7 +119,8 @@ impl Operator {
             Self::Drop | Self::BeginLate => Fate { lost: true, ..Fate::default() },
             Self::Delay => Fate { shift: late(planned), ..Fate::default() },
             Self::Jitter => Fate { shift: deviation(planned, draw), ..Fate::default() },
-            Self::Duplicate => Fate { also: vec![(300_000, planned.frame)], ..Fate::default() },
+            // What comes within a millisecond may be the copy of an interface that hears itself.
+            Self::Duplicate => Fate { also: vec![(1_300_000, planned.frame)], ..Fate::default() },
             Self::Reorder => Fate {
                 instead: next.map(|next| plan.frames[next].frame).filter(|frame| *frame != planned.frame),
                 is_swapped: true,

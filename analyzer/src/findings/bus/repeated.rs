@@ -2,7 +2,7 @@ use crate::findings::effect::Effect;
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen};
-use crate::message::Service;
+use crate::message::{Message, Service};
 use canvass_macros::rule;
 use canvass_traces::Duration;
 
@@ -67,9 +67,9 @@ impl Repeated {
 
     /// Begins to count, if the message does not come as often in its usual period.
     #[cold]
-    fn begin(&mut self, can_id: u16, previous: &Seen, service: Service) {
+    fn begin(&mut self, can_id: u16, previous: &Seen, is_regular: bool) {
         let slow = self.slow.get_mut(usize::from(can_id)).map_or(0, std::mem::take);
-        if !is_regular(service) || slow >= Self::SELDOM {
+        if !is_regular || slow >= Self::SELDOM {
             self.run = Some(Box::new(Run { can_id, count: 1, first: previous.clone() }));
         }
     }
@@ -93,10 +93,12 @@ impl Rule for Repeated {
             return;
         };
         let service = context.decoded.service;
+        let is_regular = is_regular(service) && *context.message() != Message::GlobalFailSafe;
         if context.now().since(previous.time()) > self.pause {
-            return if is_regular(service) {
-                self.paused(can_id)
-            };
+            if is_regular {
+                self.paused(can_id);
+            }
+            return;
         }
         if previous.record.frame != context.record.frame {
             return;
@@ -110,7 +112,7 @@ impl Rule for Repeated {
                     self.run = Some(run);
                 }
             }
-            _ => self.begin(can_id, previous, service),
+            _ => self.begin(can_id, previous, is_regular),
         }
     }
 

@@ -111,6 +111,8 @@ pub struct Stream {
     pub pauses: u8,
     /// The period before the last silence of many periods, in nanoseconds; 0 if the period since then is known.
     paused: u64,
+    /// Time of the frame before that silence.
+    paused_at: Option<Timestamp>,
 }
 
 /// An unusual event of a TPDO.
@@ -226,7 +228,7 @@ impl Stream {
     fn resumed(&mut self, interval: u64, since: Timestamp) -> StreamEvent {
         let period = std::mem::replace(&mut self.period, interval);
         (self.regular, self.off, self.unchanged, self.divided) = (0, 0, 0, 0);
-        (self.pauses, self.paused) = (self.pauses.saturating_add(1), period);
+        (self.pauses, self.paused, self.paused_at) = (self.pauses.saturating_add(1), period, Some(since));
         StreamEvent::Resumed { since, period: Duration(period) }
     }
 
@@ -260,6 +262,11 @@ impl Stream {
     /// may have lost an event timer that it was given, for example by a reset.
     pub fn obeys(&self, timer: Duration) -> bool {
         4 * self.longest >= 3 * timer.nanos()
+    }
+
+    /// Time of the frame before the last long silence, if the period since then is not known yet.
+    pub fn resumed_since(&self) -> Option<Timestamp> {
+        self.paused_at.filter(|_| self.paused != 0)
     }
 
     /// The period, if a timer sends the TPDO.

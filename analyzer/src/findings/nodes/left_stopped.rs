@@ -11,8 +11,8 @@ use canvass_traces::Duration;
 
 /// a node is stopped and never started again
 ///
-/// An operational node is told by an NMT command to stop, to enter pre-operational or to reset itself, obeys, and is not
-/// started again until the capture ends, while other nodes stay operational and it still sends messages itself. The TPDOs that ended
+/// An operational node is told by an NMT command to stop or to enter pre-operational, obeys, and is not started again
+/// until the capture ends, while other nodes stay operational and it still sends messages itself. The TPDOs that ended
 /// with the command are named. A machine whose nodes are stopped one after the other is switched off: if only one node
 /// is left in operational, it is the master, and nothing is reported.
 ///
@@ -78,11 +78,8 @@ impl LeftStopped {
 impl Rule for LeftStopped {
     fn frame(&mut self, context: &Context<'_>, _: &mut Sink<'_>) {
         let Message::Nmt(nmt) = *context.message() else { return };
-        let resets = nmt.command.is_reset();
-        let stops = resets || matches!(nmt.command, Command::STOP | Command::ENTER_PRE_OPERATIONAL);
-        // A node enters pre-operational by itself after its boot-up message.
-        let state = if resets { Some(State::PRE_OPERATIONAL) } else { nmt.command.state() };
-        let Some(expected) = state else { return };
+        let stops = matches!(nmt.command, Command::STOP | Command::ENTER_PRE_OPERATIONAL);
+        let Some(expected) = nmt.command.state() else { return };
         for (node, stop) in self.nodes.named_mut(nmt.node) {
             let was_operational = context.scene.facts.node(node).operational;
             match stop {
@@ -129,11 +126,9 @@ impl Rule for LeftStopped {
                 let pdos: Vec<&str> = pdos.iter().map(|(_, name)| name.as_str()).collect();
                 let pdos =
                     if pdos.is_empty() { String::new() } else { format!("; ended with it: {}", pdos.join(", ")) };
-                let by = match command.decoded.message {
-                    Message::Nmt(nmt) if nmt.command.is_reset() => "after a reset",
-                    _ => "by an NMT command",
-                };
-                format!("{expected} {by}, and not started again in the {lasted} until the capture ends{pdos}")
+                format!(
+                    "{expected} by an NMT command, and not started again in the {lasted} until the capture ends{pdos}"
+                )
             });
         }
     }

@@ -23,8 +23,8 @@ fn may_be_silent(device_type: u32) -> bool {
 /// a node does not come back after a reset
 ///
 /// A node that was on the bus is reset by an NMT command, and sends no message until the capture ends. A node that
-/// sends other messages again, but no boot-up, is a warning if it has sent a boot-up before, and otherwise an information,
-/// because old devices and the devices of some profiles send none. The rule does not report a device whose profile allows its device type
+/// sends other messages again, but no boot-up, is reported only if it has sent a boot-up before, because old devices
+/// and the devices of some profiles send none. The rule does not report a device whose profile allows its device type
 /// (1000h) to start silently, if no request reaches it after the reset; a device that returns with a node-ID that LSS
 /// has assigned; and the NMT master, which does not receive its own commands to all nodes.
 ///
@@ -93,12 +93,11 @@ impl Rule for NoBootUp {
                 sink.report(Report::at(reset).node(node).evidence(self.reset_of(node)), || {
                     format!("nothing more was received in the {} after its reset", scene.now.since(reset))
                 });
-            } else if !is_silent && waited && paused && facts.is_slave && seen > reset + self.wait {
-                let has_booted = facts.last_boot_up.is_some();
-                let severity = if has_booted { Severity::Warning } else { Severity::Info };
-                let report = Report::at(reset).node(node).severity(severity).evidence(self.reset_of(node));
-                let unlike = if has_booted { "unlike before" } else { "as devices before CiA 301 V4" };
-                sink.report(report, || format!("it sends again after its reset, but no boot-up message, {unlike}"));
+            } else if waited && paused && facts.is_slave && facts.last_boot_up.is_some() && seen > reset + self.wait {
+                let report = Report::at(reset).node(node).severity(Severity::Warning).evidence(self.reset_of(node));
+                sink.report(report, || {
+                    "it sends again after its reset, but no boot-up message, unlike before".to_owned()
+                });
             }
         }
     }

@@ -11,8 +11,8 @@ use canvass_traces::{Duration, Timestamp};
 ///
 /// An RPDO stays away for many of its periods while the node that receives it is operational. Its period is learned: 30
 /// regular intervals, some of them with unchanged data, so that a timer has sent it and no event. The silence lasts
-/// until the capture ends, or until the RPDO has its period again. It is not judged where SYNC is silent at the same
-/// time.
+/// until the capture ends, or until the RPDO has its period again. It is not judged where SYNC or a TPDO of the node is
+/// silent at the same time: then both sides have stopped.
 ///
 /// # Why
 /// The node goes on with its last set values, or goes to its safe state if it monitors the RPDO (140xh:5).
@@ -71,11 +71,18 @@ impl ReceivedEnded {
     }
 }
 
-/// Whether the node was there to receive the RPDO, and SYNC was not silent too.
+/// Whether the node was there to receive the RPDO, and neither SYNC nor its own TPDOs were silent too.
 fn is_due(node: NodeId, since: Timestamp, period: Duration, scene: &Scene<'_>) -> bool {
     let margin = period.times(2) + Duration::from_secs(2);
     let reasons = Reasons { sync: scene.facts.streams.reasons(node).sync, ..Reasons::default() };
-    scene.facts.must_send(node, scene.now) && !reasons.explain(since, scene.now, margin)
+    let near = |at: Timestamp| at.since(since).max(since.since(at)) <= margin;
+    let is_silent = |stream: &Stream| {
+        let last = stream.last.filter(|last| near(*last) && scene.now.since(*last) > margin);
+        last.is_some() && stream.period().is_some() || stream.resumed_since().is_some_and(near)
+    };
+    let mut own = scene.facts.streams.all().filter(|row| row.0 == node);
+    let with_others = own.any(|(_, _, stream)| is_silent(stream));
+    scene.facts.must_send(node, scene.now) && !with_others && !reasons.explain(since, scene.now, margin)
 }
 
 impl Rule for ReceivedEnded {

@@ -7,7 +7,8 @@ use canvass_macros::rule;
 
 /// a SYNC comes beside the regular ones
 ///
-/// A period of SYNC is divided into two unequal parts by another SYNC message, and the period before was whole.
+/// A period of SYNC of at least 5 ms is divided into two unequal parts by another SYNC message, and the period before was
+/// whole.
 ///
 /// # Why
 /// Synchronous actions happen once more than they should, and counters of SYNC messages run ahead.
@@ -33,7 +34,8 @@ impl Rule for SyncAdditional {
             return;
         }
         let divided = self.rhythm.beat(context.now()).and_then(|interval| self.additional.beat(interval));
-        let Some((first, second)) = divided else { return };
+        // Shorter parts also come from a queue of the producer.
+        let Some((first, second)) = divided.filter(|(a, b)| a.nanos() + b.nanos() >= 5_000_000) else { return };
         let report = Report::at(context.now());
         let report = report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence());
         sink.report(report, || format!("SYNC after {first} and after {second}, which together are a period"));

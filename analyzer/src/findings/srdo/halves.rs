@@ -20,8 +20,17 @@ use canvass_macros::rule;
 #[rule(id = "srdo/halves", severity = Error, rank = ProcessData, services = [Srdo, Nmt])]
 struct Halves {
     /// The data frames that wait for their inverse.
-    open: Vec<((Option<NodeId>, Option<u8>), Seen)>,
+    open: Vec<(Key, Seen)>,
+    /// The SRDOs that were seen before the last command, and not since.
+    fresh: Vec<Key>,
+    all: Vec<Key>,
 }
+
+/// An SRDO: the node, and the number if it is known.
+type Key = (Option<NodeId>, Option<u8>);
+
+/// Maximum number of SRDOs that are followed.
+const MOST: usize = 64;
 
 impl Halves {
     fn tell(&self, detail: u64, others: Option<&Seen>, context: &Context<'_>, sink: &mut Sink<'_>, what: &str) {
@@ -32,10 +41,14 @@ impl Halves {
 
     fn see(&mut self, srdo: Srdo, context: &Context<'_>, sink: &mut Sink<'_>) {
         let key = (context.node(), srdo.number);
+        if !self.all.contains(&key) && self.all.len() < MOST {
+            self.all.push(key);
+        }
         let place = self.open.iter().position(|(known, _)| *known == key);
         let open = place.map(|place| self.open.swap_remove(place).1);
         match (srdo.half, srdo.fit) {
             (Half::Normal, _) => {
+                self.fresh.retain(|known| *known != key);
                 if let Some(open) = &open {
                     self.tell(1, Some(open), context, sink, "the inverted data did not follow the data");
                 }
@@ -45,6 +58,8 @@ impl Halves {
             (Half::Inverted, Fit::Different) => {
                 self.tell(2, open.as_ref(), context, sink, "the second frame is not the inverse of the first one");
             }
+            // After a command the data may have been held back.
+            (Half::Inverted, Fit::Alone) if self.fresh.contains(&key) => {}
             (Half::Inverted, Fit::Alone) => {
                 self.tell(3, open.as_ref(), context, sink, "inverted data without its data in the time before");
             }
@@ -56,12 +71,13 @@ impl Rule for Halves {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         match context.message() {
             Message::Srdo(srdo) => self.see(*srdo, context, sink),
-            _ if context.begins_anew() => self.open.clear(),
+            _ if context.begins_anew() => self.interrupted(),
             _ => {}
         }
     }
 
     fn interrupted(&mut self) {
         self.open.clear();
+        self.fresh.clone_from(&self.all);
     }
 }
