@@ -160,8 +160,10 @@ impl Network {
         }
         let data = match pdo.trigger {
             Trigger::Event | Trigger::Acyclic => value,
-            // What moves all the time may as well be sent by events; a timer also sends what has not changed.
-            Trigger::Timer if pdo.moves => (at / (16 * pdo.period) * 0x0101_0101_0101).to_le_bytes(),
+            // What moves all the time may as well be sent by events; a timer and SYNC also send what has not changed.
+            Trigger::Timer | Trigger::Cyclic(_) if pdo.moves => {
+                (at / (16 * pdo.period.max(self.sync)) * 0x0101_0101_0101).to_le_bytes()
+            }
             _ if pdo.moves => value,
             _ => [pdo.number, 2, 3, 4, 5, 6, 7, 8],
         };
