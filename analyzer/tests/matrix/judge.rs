@@ -109,11 +109,11 @@ impl Truth {
     }
 
     fn is_about_its_node(&self, finding: &Finding) -> bool {
-        let named = [finding.node, finding.origin].into_iter().flatten().map(NodeId::raw);
+        let mut named = [finding.node, finding.origin].into_iter().flatten().map(NodeId::raw);
         match self.node {
             // A message to all concerns each node.
             0 => true,
-            _ => named.clone().any(|node| self.nodes.contains(&node)) || finding.node.is_none(),
+            _ => named.any(|node| self.nodes.contains(&node)) || finding.node.is_none(),
         }
     }
 
@@ -131,8 +131,8 @@ impl Truth {
 
     /// Whether the finding is about something that the incident touched, if only as a consequence.
     fn touches(&self, finding: &Finding) -> bool {
-        let named = [finding.node, finding.origin].into_iter().flatten().map(NodeId::raw);
-        let is_of_nodes = named.clone().any(|node| self.nodes.contains(&node));
+        let mut named = [finding.node, finding.origin].into_iter().flatten().map(NodeId::raw);
+        let is_of_nodes = named.any(|node| self.nodes.contains(&node));
         is_of_nodes || self.is_evident(finding, &self.consequences) || self.is_evident(finding, &self.can_ids)
     }
 }

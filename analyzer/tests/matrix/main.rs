@@ -25,9 +25,10 @@ mod wire;
 use cell::Cell;
 use measure::Measure;
 use std::env;
+use std::io::Write;
 
 /// The share of cells that the sample must name first or second.
-const FLOOR: f64 = 0.5;
+const FLOOR: f64 = 0.85;
 
 #[test]
 fn incidents_are_named_and_healthy_networks_are_not_accused() {
@@ -40,9 +41,15 @@ fn incidents_are_named_and_healthy_networks_are_not_accused() {
     }
     measure.cells(&seeds, count.unwrap_or(100));
     measure.healthy(&seeds, count.unwrap_or(42));
-    println!("{}", measure.report());
+    say(&measure.report());
     assert!(measure.accused.is_empty(), "{:#?}", measure.accused);
     assert!(measure.share() >= FLOOR, "{:.3} of the cells are named first or second", measure.share());
+}
+
+/// Prints a text, for whom `--nocapture` shows it.
+fn say(text: &str) {
+    // A closed output changes nothing that the test checks.
+    let _ = writeln!(std::io::stdout(), "{text}");
 }
 
 /// Writes the records of a cell, or of a healthy network.
@@ -57,7 +64,7 @@ fn write(name: &str) {
         None => {
             let cell = Cell::by_id(id).expect("a cell of the matrix: BASE/KNOWN/SERVICE/MESSAGE/OPERATOR/WHEN");
             let (_, records, truth) = cell.records(seed).expect("the network of the cell sends such a message");
-            println!("{truth}");
+            say(&truth.to_string());
             records
         }
     };

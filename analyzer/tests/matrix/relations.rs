@@ -82,10 +82,10 @@ fn files(folder: &Path) -> Vec<PathBuf> {
 
 /// The records of a capture, with its channels numbered by their first records.
 fn records_of(captures: Vec<Capture>) -> Vec<Record> {
-    let mut merge = Merge::new(captures, Naming::SameBus);
+    let merge = Merge::new(captures, Naming::SameBus);
     let mut numbers = HashMap::new();
     let mut records = Vec::new();
-    while let Some((_, item)) = merge.next() {
+    for (_, item) in merge {
         let Ok(mut record) = item else { continue };
         let next = numbers.len() as u16;
         record.channel = ChannelId(*numbers.entry(record.channel).or_insert(next));

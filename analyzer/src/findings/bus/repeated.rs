@@ -11,7 +11,8 @@ const EFFECTS: &[Effect] = &[Effect::on_the_rest().of_same_node().if_less_grave(
 
 /// a frame is repeated without pause
 ///
-/// The same frame comes again and again, with less than three milliseconds between two of them. Messages that come
+/// The same frame comes again and again, with less than three milliseconds between two of them; SYNC ten times as often,
+/// because producers also catch up what they have missed. Messages that come
 /// regularly, such as PDOs and heartbeats, count only if they came with longer pauses before.
 ///
 /// # Why
@@ -24,7 +25,7 @@ const EFFECTS: &[Effect] = &[Effect::on_the_rest().of_same_node().if_less_grave(
     id = "bus/repeated",
     severity = Error,
     rank = Participants,
-    services = [Nmt, BootUp, Heartbeat, Guarding, Time, Emcy, Pdo, Sdo, Lss, Lmt, Srdo, FlyingMaster],
+    services = [Nmt, BootUp, Heartbeat, Guarding, Sync, Time, Emcy, Pdo, Sdo, Lss, Lmt, Srdo, FlyingMaster],
     leads_to = EFFECTS
 )]
 struct Repeated {
@@ -48,7 +49,7 @@ struct Run {
 
 /// Whether a message of the service comes regularly in a network that works, so that it may also come often.
 const fn is_regular(service: Service) -> bool {
-    matches!(service, Service::Pdo | Service::Heartbeat | Service::Guarding | Service::Srdo)
+    matches!(service, Service::Sync | Service::Pdo | Service::Heartbeat | Service::Guarding | Service::Srdo)
 }
 
 impl Repeated {
@@ -106,7 +107,8 @@ impl Rule for Repeated {
         match self.run.as_deref_mut() {
             Some(run) if run.can_id == can_id && run.first.record.frame == context.record.frame => {
                 run.count += 1;
-                let is_due = run.count >= self.most && run.count.is_power_of_two() || run.count == self.most;
+                let most = if service == Service::Sync { 10 * self.most } else { self.most };
+                let is_due = run.count == most || run.count > most && run.count.is_power_of_two();
                 if is_due && let Some(run) = self.run.take() {
                     self.tell(&run, context, sink);
                     self.run = Some(run);

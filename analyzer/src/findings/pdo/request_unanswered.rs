@@ -1,6 +1,6 @@
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Scene, Seen};
+use crate::findings::{Context, Scene, Seen, Severity};
 use crate::message::{Message, PdoNumber};
 use crate::{NodeId, PerNode};
 use canvass_macros::rule;
@@ -8,8 +8,8 @@ use canvass_traces::Duration;
 
 /// a request for a PDO gets no answer
 ///
-/// A remote frame asks for a TPDO that has answered such a request before in this capture, and the TPDO does not come
-/// in time. NMT commands and missing frames begin anew: a node that is not operational answers none.
+/// A remote frame asks for a TPDO, and the TPDO does not come in time. If it has answered no request in this capture
+/// before, it may not support requests: the severity is then info. NMT commands and missing frames begin anew: a node that is not operational answers none.
 ///
 /// # Why
 /// The consumer goes on with the last value, or takes the node for lost.
@@ -51,12 +51,10 @@ impl RequestUnanswered {
         let limit = self.wait + scene.slack();
         for Asked { number, open, answers } in &mut self.nodes[node] {
             let is_late = open.as_ref().is_some_and(|open| scene.now.since(open.time()) > limit);
-            let Some(request) =
-                open.take_if(|_| is_late).filter(|_| *answers && scene.facts.must_send(node, scene.now))
-            else {
-                continue;
-            };
+            let due = open.take_if(|_| is_late).filter(|_| scene.facts.must_send(node, scene.now));
+            let Some(request) = due else { continue };
             let report = Report::at(request.time()).node(node).detail(u64::from(*number));
+            let report = if *answers { report } else { report.severity(Severity::Info) };
             sink.report(report.evidence(request.evidence()), || {
                 format!("no {} within {} of the request for it", PdoNumber::Transmit(*number), self.wait)
             });

@@ -104,6 +104,15 @@ fn reserved_bytes(message: &Message, payload: &[u8]) -> bool {
         Message::SdoResponse(response) => response.layout(),
         _ => return false,
     };
+    // Without its indication the size is reserved, too.
+    let has_no_size = matches!(
+        message,
+        Message::SdoRequest(Request::InitiateBlockDownload { size: None, .. })
+            | Message::SdoResponse(Response::InitiateBlockUpload { size: None, .. })
+    );
+    if has_no_size && payload.iter().skip(4).any(|byte| *byte != 0) {
+        return true;
+    }
     let reserved = layout.fields.iter().filter(|field| field.is_reserved() && field.first >= 8);
     reserved.filter_map(|field| field.within(payload.len())?.get(payload)).any(|value| value != 0)
 }

@@ -11,6 +11,9 @@ struct Text {
     sections: String,
 }
 
+/// A list of objects in an EDS: its section, and the indexes that belong to it.
+type List = (&'static str, fn(u16) -> bool);
+
 /// The node as its EDS describes it.
 pub fn of(node: &NodeSpec) -> Option<KnownDevice> {
     eds::read(text(node).as_bytes()).ok().map(KnownDevice::described)
@@ -104,7 +107,7 @@ impl Text {
              BaudRate_500=1\nSimpleBootUpSlave=1\nGranularity=8\nGroupMessaging=0\nNrOfRXPDO=4\nNrOfTXPDO=4\n\
              LSS_Supported=0\n\n[DummyUsage]\nDummy0001=0\n\n[Comments]\nLines=0\n\n"
             .to_owned();
-        let lists: [(&str, fn(u16) -> bool); 3] = [
+        let lists: [List; 3] = [
             ("MandatoryObjects", |index| matches!(index, 0x1000 | 0x1001 | 0x1018)),
             ("OptionalObjects", |index| !matches!(index, 0x1000 | 0x1001 | 0x1018 | 0x2000..=0x5FFF)),
             ("ManufacturerObjects", |index| matches!(index, 0x2000..=0x5FFF)),

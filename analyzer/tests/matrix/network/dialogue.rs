@@ -75,7 +75,7 @@ impl<'a> Talk<'a> {
         planned.cause = self.last;
         planned.sender = (!is_client).then_some(self.node.id);
         // Some clients abort a transfer that gets no response, others say nothing.
-        if self.node.id % 3 != 0 {
+        if !self.node.id.is_multiple_of(3) {
             let abort =
                 Request::abort(self.object, AbortCode::TIMEOUT).to_frame(REQUEST_BASE + u16::from(self.node.id));
             planned.on_silence = Some((SDO_TIMEOUT, abort));
