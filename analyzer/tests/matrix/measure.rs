@@ -10,9 +10,6 @@ use canvass_analyzer::findings::Severity;
 use std::collections::{BTreeMap, HashMap};
 use std::fmt::Write;
 
-/// Cells and healthy networks that are measured together.
-const BATCH: usize = 64;
-
 /// A measured cell.
 pub struct Measured {
     cell: Cell,
@@ -54,25 +51,21 @@ fn on_all_cores<I: Sync, O: Send>(inputs: &[I], compute: impl Fn(&I) -> O + Sync
 }
 
 impl Measure {
-    /// Measures `count` cells with each seed. The sorts take turns, so that one with many fields does not outweigh
-    /// the others.
+    /// Measures `count` cells with each seed. The sorts take turns, so that one with many fields, or one that every
+    /// network has, does not outweigh the others.
     pub fn cells(&mut self, seeds: &[u64], count: usize) {
         let open = Open::read();
         for seed in seeds {
-            let cells = in_turns(*seed);
-            let mut wanted = count;
-            for batch in cells.chunks(BATCH) {
-                let outcomes = on_all_cores(batch, |cell| cell.measure(*seed));
-                for (cell, outcome) in batch.iter().zip(outcomes) {
-                    if let Some(outcome) = outcome.filter(|_| wanted > 0) {
-                        wanted -= 1;
-                        let reason = open.reason(&cell.to_string()).map(str::to_owned);
-                        self.cells.push(Measured { cell: *cell, seed: *seed, outcome, reason });
-                    }
-                }
-                if wanted == 0 {
-                    break;
-                }
+            let sorts = by_sort(*seed);
+            let share = count.div_ceil(sorts.len());
+            let mut rows: Vec<_> = on_all_cores(&sorts, |cells| {
+                let measured = cells.iter().filter_map(|cell| Some((*cell, cell.measure(*seed)?)));
+                measured.take(share).collect::<Vec<_>>().into_iter()
+            });
+            let turns = (0..share).flat_map(|_| rows.iter_mut().filter_map(Iterator::next).collect::<Vec<_>>());
+            for (cell, outcome) in turns.take(count) {
+                let reason = open.reason(&cell.to_string()).map(str::to_owned);
+                self.cells.push(Measured { cell, seed: *seed, outcome, reason });
             }
         }
     }
@@ -183,19 +176,15 @@ pub fn healthy(seed: u64, number: usize) -> Network {
     Network::new(base, known, Events::None, Draw::new(seed, &format!("healthy/{number}")))
 }
 
-/// All cells in a random order in which the sorts take turns.
-fn in_turns(seed: u64) -> Vec<Cell> {
-    let mut cells = Cell::all();
-    Draw::new(seed, "cells").shuffle(&mut cells);
-    let mut turns: HashMap<String, usize> = HashMap::new();
-    let mut numbered: Vec<(usize, Cell)> = cells
-        .into_iter()
-        .map(|cell| {
-            let turn = turns.entry(cell.sort.id()).or_default();
-            *turn += 1;
-            (*turn, cell)
-        })
-        .collect();
-    numbered.sort_by_key(|(turn, _)| *turn);
-    numbered.into_iter().map(|(_, cell)| cell).collect()
+/// The cells of each sort in a random order; the sorts too.
+fn by_sort(seed: u64) -> Vec<Vec<Cell>> {
+    let mut draw = Draw::new(seed, "cells");
+    let mut sorts = BTreeMap::<String, Vec<Cell>>::new();
+    for cell in Cell::all() {
+        sorts.entry(cell.sort.id()).or_default().push(cell);
+    }
+    let mut sorts: Vec<Vec<Cell>> = sorts.into_values().collect();
+    sorts.iter_mut().for_each(|cells| draw.shuffle(cells));
+    draw.shuffle(&mut sorts);
+    sorts
 }
