@@ -13,8 +13,8 @@
 //! - `cargo xtask storm`: ten million random frames for each simulated device;
 //! - `cargo xtask attack`: changed files and misbehaving adapters, through every command;
 //! - `cargo xtask rooms`: whether the folders of the crates use each other in one direction only;
-//! - `cargo xtask incidents`: the finding that the diagnosis names first in each of a thousand networks with one fault,
-//!   and in a thousand healthy ones;
+//! - `cargo xtask incidents`: whether the diagnosis names what an operator does to the frames of a network, and accuses
+//!   nobody in healthy ones;
 //! - `cargo xtask worst`: the cost of the most expensive traffic, compared with usual traffic;
 //! - `cargo xtask flaky`: the number of verdicts that change while other work keeps this machine busy;
 //! - `cargo xtask screenshot`: the pictures in `docs`;
@@ -51,6 +51,7 @@ mod peers;
 mod rooms;
 mod run;
 mod screenshot;
+mod seed;
 mod simulation;
 mod storm;
 mod target;
@@ -70,7 +71,8 @@ const USAGE: &str = "usage: cargo xtask [--install] COMMAND
     as-found [--all] [--seed N] [--model ID]
     mutants [--seed D] [--count N] [--tests analyzer|suite]
     flaky [--runs N] [--at-once N] [--model ID]... [--select CASES] [--bus vcan|INTERFACE]
-    bench [--instructions | --descriptions | --fleet] | memory | worst | incidents
+    bench [--instructions | --descriptions | --fleet] | memory | worst
+    incidents [--seed N[,N...]] [--count N] | incidents --write CELL@SEED FILE
     rooms [CRATE...] | screenshot [NAME...] | web | web-test | web-bench | windows | dist";
 
 fn main() -> Result<()> {
@@ -101,7 +103,7 @@ fn main() -> Result<()> {
         Some("fleet") => fleet::test(),
         Some("fuzz") => fuzz::command(more),
         Some("memory") => memory::memory(),
-        Some("incidents") => incidents::incidents(),
+        Some("incidents") => incidents::incidents(more),
         Some("mutants") => mutants::mutants(more),
         Some("rooms") => rooms::rooms(more),
         Some("screenshot") => screenshot::screenshot(more),

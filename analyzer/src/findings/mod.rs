@@ -31,6 +31,7 @@ mod sdo;
 mod seen;
 mod sink;
 mod source;
+mod srdo;
 mod stories;
 mod thresholds;
 mod watch;

@@ -4,7 +4,7 @@ use super::rule::Definition;
 use std::sync::LazyLock;
 
 /// The families in the order of listings; families of device profiles follow.
-const FAMILIES: [&str; 7] = ["capture", "bus", "nodes", "sdo", "pdo", "emcy", "lss"];
+const FAMILIES: [&str; 8] = ["capture", "bus", "nodes", "sdo", "pdo", "emcy", "lss", "srdo"];
 
 /// All rules, sorted by family, then by id.
 static RULES: LazyLock<Vec<&'static Definition>> = LazyLock::new(|| {

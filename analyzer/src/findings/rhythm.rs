@@ -133,6 +133,40 @@ impl Interval {
     }
 }
 
+/// Finds a message that comes beside the regular ones.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Additional {
+    /// The last two intervals, the later one last; 0 where there was none.
+    before: [u64; 2],
+    /// Number of intervals since the last period that was divided.
+    since: u8,
+}
+
+impl Additional {
+    /// Handles an interval. Returns the two parts of a period that an additional message has divided; the period before
+    /// was whole, or divided, too. Equal halves show a period that has changed.
+    pub fn beat(&mut self, interval: Interval) -> Option<(Duration, Duration)> {
+        let [earlier, first] = self.before;
+        self.before = [first, interval.length.nanos()];
+        self.since = self.since.saturating_add(1);
+        let period = interval.expected.filter(|_| !interval.shifted)?.nanos();
+        let (second, close) = (interval.length.nanos(), period / 16 + 2_000_000.min(period / 16));
+        let is_whole = |length: u64| length.abs_diff(period) <= close;
+        let is_divided = first != 0 && is_whole(first + second) && !is_whole(second) && !is_whole(first);
+        let is_regular = is_whole(earlier) || self.since == 2;
+        if !is_divided || !is_regular || first.abs_diff(second) <= period / 8 {
+            return None;
+        }
+        self.since = 0;
+        Some((Duration(first), Duration(second)))
+    }
+
+    /// Begins anew: the next message may come at any time.
+    pub fn restart(&mut self) {
+        *self = Self::default();
+    }
+}
+
 /// Statistics of early and late messages.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Jitter {

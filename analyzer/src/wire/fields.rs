@@ -115,7 +115,11 @@ pub(super) mod tests {
 
     #[test]
     fn the_fields_cover_every_message() {
-        use crate::wire::{emcy, error_control, lmt, lss, sdo, sync, time};
+        use crate::wire::{emcy, error_control, lmt, lss, nmt, sdo, sync, time};
+        cover::<nmt::Nmt>(2);
+        cover::<sdo::Request>(8);
+        cover::<lss::Request>(8);
+        cover::<lmt::Request>(8);
         cover::<sdo::Response>(8);
         cover::<sdo::BlockSegment>(8);
         cover::<error_control::ErrorControl>(1);

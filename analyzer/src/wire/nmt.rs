@@ -5,7 +5,7 @@
 //! ```
 
 use super::error_control::State;
-use super::{Malformed, Wire, named};
+use super::{Field, Fields, Layout, Malformed, Wire, named};
 use nom::{IResult, Parser, number::complete::u8};
 use std::fmt;
 
@@ -80,6 +80,17 @@ impl Wire for Nmt {
         buffer[0] = self.command.0;
         buffer[1] = self.node;
         2
+    }
+}
+
+static NMT: Layout =
+    Layout { name: "NMT command", fields: &[Field::new("command specifier", 0, 0, 8), Field::new("node-ID", 1, 0, 8)] };
+
+impl Fields for Nmt {
+    const LAYOUTS: &'static [&'static Layout] = &[&NMT];
+
+    fn layout(&self) -> &'static Layout {
+        &NMT
     }
 }
 

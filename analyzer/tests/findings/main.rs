@@ -20,6 +20,8 @@ mod encoder;
 #[cfg(test)]
 mod field;
 #[cfg(test)]
+mod frames;
+#[cfg(test)]
 mod guarding;
 #[cfg(test)]
 mod healthy;

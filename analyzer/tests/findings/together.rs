@@ -63,9 +63,11 @@ const EXPECTED: &[(&str, Option<u8>, u64)] = &[
 /// Rules with captures of their own, because their faults would disturb all others here: a full bus, an irregular SYNC,
 /// a damaged file.
 const ELSEWHERE: &[&str] = &[
+    "bus/frame-kind",
     "bus/load",
     "bus/malformed",
     "bus/no-canopen",
+    "bus/repeated",
     "bus/two-producers",
     "capture/bus-off",
     "capture/clock-steps",
@@ -86,15 +88,21 @@ const ELSEWHERE: &[&str] = &[
     "lss/left-in-configuration",
     "lss/store-wear",
     "nodes/boot-unfinished",
+    "nodes/heartbeat-additional",
     "nodes/left-stopped",
     "nodes/starts-twice",
     "pdo/ended",
     "pdo/length-changed",
+    "pdo/received-ended",
+    "pdo/request-unanswered",
+    "pdo/sync-additional",
     "pdo/sync-jitter",
     "sdo/impatient-client",
     "sdo/reserved-bits",
     "sdo/too-early",
     "sdo/unfinished",
+    "srdo/ended",
+    "srdo/halves",
 ];
 
 /// The time of findings that depends on their worst moment; it is not compared.

@@ -22,6 +22,7 @@ mod table;
 mod tested;
 mod variants;
 
+use crate::seed::today;
 use anyhow::{Context, Result, bail, ensure};
 use area::Area;
 use drawn::Mutant;
@@ -166,10 +167,4 @@ impl Wishes {
             false => all.iter().filter(|mutant| self.only.contains(&mutant.number)).cloned().collect(),
         }
     }
-}
-
-/// The date as a number, such as 20261122.
-fn today() -> Result<u64> {
-    let day = std::process::Command::new("date").arg("+%Y%m%d").output().context("date")?;
-    String::from_utf8_lossy(&day.stdout).trim().parse().context("date")
 }

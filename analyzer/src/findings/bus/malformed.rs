@@ -1,14 +1,17 @@
-use crate::findings::Context;
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
+use crate::findings::{Context, Severity};
 use crate::message::{Message, Service};
 use crate::wire::Malformed as Unreadable;
+use crate::wire::error_control::State;
+use crate::wire::flying_master::FlyingMaster;
 use canvass_macros::rule;
 
 /// a frame has the wrong length for its service, or can't be decoded
 ///
 /// A frame on a CAN-ID of NMT, error control, SYNC, TIME, EMCY, SDO, LSS or LMT has more or fewer bytes than the
-/// standard defines for that service, or its bytes have no meaning there. Each service and length has its own finding.
+/// standard defines for that service, or its bytes have no meaning there: an NMT command has a reserved specifier or a
+/// number that is no node-ID, or a boot-up message has the toggle bit. Reserved bits of TIME are an information. Each service and length has its own finding.
 /// An EMCY without bytes is not reported: it is the boot-up message of devices before CiA 301 V4.
 ///
 /// # Why
@@ -21,7 +24,7 @@ use canvass_macros::rule;
     id = "bus/malformed",
     severity = Warning,
     rank = Detail,
-    services = [Nmt, Heartbeat, BootUp, Guarding, Sync, Time, Emcy, Sdo, Lss, Lmt, FlyingMaster]
+    services = [Nmt, Heartbeat, BootUp, Guarding, Sync, Time, Emcy, Sdo, Lss, Lmt, Srdo, FlyingMaster]
 )]
 struct Malformed;
 
@@ -41,7 +44,15 @@ impl Rule for Malformed {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         let service = context.decoded.service;
         let length = context.record.frame.len();
-        let (least, most) = lengths(service);
+        let (least, most) = match context.message() {
+            Message::GlobalFailSafe => (0, 0),
+            Message::FlyingMaster(FlyingMaster::ActiveMaster { .. }) => (2, 2),
+            Message::FlyingMaster(_) => (0, 0),
+            _ => lengths(service),
+        };
+        if is_reserved(context.message()) {
+            tell_reserved(context, sink);
+        }
         let is_right = (least..=most).contains(&length);
         let unreadable = match context.message() {
             Message::Malformed(_, error) => Some(*error),
@@ -57,6 +68,32 @@ impl Rule for Malformed {
         }
         tell(unreadable.filter(|_| is_right), (least, length), context, sink);
     }
+}
+
+/// Whether the message has a value that the standard reserves.
+fn is_reserved(message: &Message) -> bool {
+    match message {
+        Message::Nmt(nmt) => nmt.command.name().is_none() || nmt.node > 127,
+        Message::ErrorControl(message) => message.toggle && message.state == State::BOOT_UP,
+        Message::Time(time) => time.reserved() != 0,
+        _ => false,
+    }
+}
+
+#[cold]
+fn tell_reserved(context: &Context<'_>, sink: &mut Sink<'_>) {
+    let is_info = matches!(context.message(), Message::Time(_));
+    let node = context.node().filter(|_| matches!(context.message(), Message::ErrorControl(_)));
+    let [command, number, ..] = context.record.frame.bytes();
+    let detail = 1 << 32 | (context.decoded.service as u64) << 16 | u64::from(command) << 8 | u64::from(number);
+    let detail = if is_info { 1 << 33 } else { detail };
+    let report = Report::at(context.now()).node(node).detail(detail).evidence(context.evidence());
+    let report = if is_info { report.severity(Severity::Info) } else { report };
+    sink.report(report, || match context.message() {
+        Message::Nmt(nmt) => format!("an NMT message that no node obeys: {nmt}"),
+        Message::Time(time) => format!("TIME with reserved bits {:X}h", time.reserved()),
+        _ => "a boot-up message with the toggle bit of guarding".to_owned(),
+    });
 }
 
 #[cold]

@@ -2,11 +2,13 @@
 
 mod before_boot_up;
 mod duplicate_node_id;
+mod frame_kind;
 mod interleaving;
 mod load;
 mod malformed;
 mod no_canopen;
 mod overlapping_cob_id;
+mod repeated;
 mod restricted_cob_id;
 mod two_producers;
 mod unknown_ids;

@@ -25,7 +25,7 @@ const EFFECTS: &[Effect] = &[
 /// SYNC or TIME comes at intervals that alternate between a long and a short one, again and again, or two series of
 /// SYNC counters are mixed: there are two producers with the same period. A TPDO that the SDO traffic of the capture
 /// shows to be cyclic comes twice in its cycle, again and again: after each SYNC, or within its event timer at
-/// intervals that together are the event timer. Where nothing is known of a TPDO, its period is learned: a TPDO that
+/// intervals that together are the event timer. Where nothing is known of a PDO, its period is learned: a PDO that
 /// then comes twice in each period, at intervals that together are the period, has probably two senders.
 ///
 /// # Why
@@ -149,17 +149,19 @@ impl TwoProducers {
         }
     }
 
-    /// Reports a TPDO whose learned period is divided into the same two parts again and again.
-    fn learned(node: NodeId, number: u16, context: &Context<'_>, sink: &mut Sink<'_>) {
+    /// Reports a PDO whose learned period is divided into the same two parts again and again.
+    fn learned(node: NodeId, pdo: PdoNumber, context: &Context<'_>, sink: &mut Sink<'_>) {
         let StreamEvent::Divided { first, second } = context.news().stream else { return };
-        if context.scene.facts.tpdos.of(node, number).is_known() {
-            return;
-        }
-        let report = Report::at(context.now()).node(node).detail(u64::from(number)).severity(Severity::Warning);
+        let detail = match pdo {
+            PdoNumber::Transmit(number) if context.scene.facts.tpdos.of(node, number).is_known() => return,
+            PdoNumber::Transmit(number) => u64::from(number),
+            PdoNumber::Receive(number) => 1 << 17 | u64::from(number),
+        };
+        let report = Report::at(context.now()).node(node).detail(detail).severity(Severity::Warning);
         let report = report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence());
         sink.report(report, || {
             let turns = format!("after {first} and after {second} in turn");
-            format!("TPDO {number} came every {}, and now {turns}: two devices send it", first + second)
+            format!("{pdo} came every {}, and now {turns}: two devices send it", first + second)
         });
     }
 
@@ -194,8 +196,13 @@ impl Rule for TwoProducers {
             }
             Message::Pdo(PdoNumber::Transmit(number)) => {
                 if let Some(node) = context.node() {
-                    Self::learned(node, *number, context, sink);
+                    Self::learned(node, PdoNumber::Transmit(*number), context, sink);
                     self.pdo(node, *number, context, sink);
+                }
+            }
+            Message::Pdo(pdo @ PdoNumber::Receive(_)) => {
+                if let Some(node) = context.node() {
+                    Self::learned(node, *pdo, context, sink);
                 }
             }
             _ if context.begins_anew() => self.restart(),

@@ -1,4 +1,4 @@
-//! The rhythm and the length of each TPDO, as they are learned from its frames, for rules about PDOs of which no
+//! The rhythm and the length of each PDO, as they are learned from its frames, for rules about PDOs of which no
 //! configuration is known.
 
 use super::beats::{Beats, Reasons};
@@ -12,8 +12,9 @@ use canvass_traces::{Duration, Record, Timestamp};
 #[derive(Default)]
 pub struct Streams {
     nodes: PerNode<Option<Box<[Stream; TPDOS]>>>,
-    /// The RPDOs to each node.
+    /// The RPDOs to each node, together and one by one.
     received: PerNode<Beats>,
+    rpdos: PerNode<Option<Box<[Stream; TPDOS]>>>,
     sync: Beats,
     /// The TPDOs that had been silent when they began anew: at most one entry for each TPDO.
     cut: Vec<Cut>,
@@ -110,6 +111,8 @@ pub struct Stream {
     pub pauses: u8,
     /// The period before the last silence of many periods, in nanoseconds; 0 if the period since then is known.
     paused: u64,
+    /// Time of the frame before that silence.
+    paused_at: Option<Timestamp>,
 }
 
 /// An unusual event of a TPDO.
@@ -225,7 +228,7 @@ impl Stream {
     fn resumed(&mut self, interval: u64, since: Timestamp) -> StreamEvent {
         let period = std::mem::replace(&mut self.period, interval);
         (self.regular, self.off, self.unchanged, self.divided) = (0, 0, 0, 0);
-        (self.pauses, self.paused) = (self.pauses.saturating_add(1), period);
+        (self.pauses, self.paused, self.paused_at) = (self.pauses.saturating_add(1), period, Some(since));
         StreamEvent::Resumed { since, period: Duration(period) }
     }
 
@@ -261,6 +264,11 @@ impl Stream {
         4 * self.longest >= 3 * timer.nanos()
     }
 
+    /// Time of the frame before the last long silence, if the period since then is not known yet.
+    pub fn resumed_since(&self) -> Option<Timestamp> {
+        self.paused_at.filter(|_| self.paused != 0)
+    }
+
     /// The period, if a timer sends the TPDO.
     pub fn period(&self) -> Option<Duration> {
         self.is_timed().then_some(Duration(self.period))
@@ -281,9 +289,13 @@ impl Streams {
                 Some(stream) => stream.beat(now, record.frame.cob_id().unwrap_or(0), record.frame.data()),
                 None => StreamEvent::Usual,
             },
-            (Message::Pdo(PdoNumber::Receive(_)), Some(node)) => {
+            (Message::Pdo(PdoNumber::Receive(number)), Some(node)) => {
                 self.received[node].beat(now);
-                StreamEvent::Usual
+                let rows = self.rpdos[node].get_or_insert_default();
+                match usize::from(number).checked_sub(1).and_then(|at| rows.get_mut(at)) {
+                    Some(stream) => stream.beat(now, record.frame.cob_id().unwrap_or(0), record.frame.data()),
+                    None => StreamEvent::Usual,
+                }
             }
             (Message::PdoRequest(PdoNumber::Transmit(number)), Some(node)) => {
                 if let Some(stream) = self.slot(node, number) {
@@ -306,6 +318,12 @@ impl Streams {
     /// All TPDOs: node, number from 1.
     pub fn all(&self) -> impl Iterator<Item = (NodeId, u16, &Stream)> {
         let known = self.nodes.iter().filter_map(|(node, rows)| Some((node, rows.as_deref()?)));
+        known.flat_map(|(node, rows)| (1..).zip(rows).map(move |(number, row)| (node, number, row)))
+    }
+
+    /// All RPDOs: node, number from 1.
+    pub fn received(&self) -> impl Iterator<Item = (NodeId, u16, &Stream)> {
+        let known = self.rpdos.iter().filter_map(|(node, rows)| Some((node, rows.as_deref()?)));
         known.flat_map(|(node, rows)| (1..).zip(rows).map(move |(number, row)| (node, number, row)))
     }
 
@@ -349,6 +367,10 @@ impl Streams {
     /// Makes TPDOs begin anew: they may stop, or have other parameters.
     #[cold]
     pub(super) fn restart(&mut self, restart: Restart) {
+        if restart.number.is_none() {
+            let rows = self.rpdos.named_mut(restart.node).flat_map(|(_, rows)| rows.iter_mut());
+            rows.flat_map(|rows| rows.iter_mut()).for_each(|row| *row = Stream::default());
+        }
         for (_, rows) in self.nodes.named_mut(restart.node) {
             let rows = (1..).zip(rows.iter_mut().flat_map(|rows| rows.iter_mut()));
             for (_, row) in rows.filter(|(number, _)| restart.concerns(*number)) {
@@ -359,8 +381,8 @@ impl Streams {
 
     /// Tells that frames may be missing here.
     pub(super) fn interrupted(&mut self) {
-        let rows = self.nodes.values_mut().flatten().flat_map(|rows| rows.iter_mut());
-        rows.for_each(|row| row.last = None);
+        let rows = self.nodes.values_mut().chain(self.rpdos.values_mut()).flatten();
+        rows.flat_map(|rows| rows.iter_mut()).for_each(|row| row.last = None);
     }
 }
 

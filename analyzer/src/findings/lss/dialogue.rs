@@ -1,8 +1,9 @@
 use super::exchange::{Sender, answer_to, command, own_command, sender, wants_answer, words};
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Seen};
+use crate::findings::{Context, Seen, Severity};
 use crate::message::Message;
+use crate::wire::Fields;
 use crate::wire::lss::Response;
 use canvass_macros::rule;
 use canvass_traces::Duration;
@@ -11,7 +12,7 @@ use canvass_traces::Duration;
 ///
 /// An answer on 7E4h belongs to another service than the request before it, comes without a request, or several slaves
 /// answer a request to one slave. Identify and Fastscan may have several answers. Or a request is sent on 7E4h: its
-/// master uses the wrong CAN-ID.
+/// master uses the wrong CAN-ID. Reserved bytes that are not 0 are an information.
 ///
 /// # Why
 /// All slaves in configuration state accept the node-ID and the bit rate that follow, so that two devices get the same
@@ -69,8 +70,29 @@ impl Dialogue {
     }
 }
 
+/// Whether a reserved byte of the message is not 0.
+fn has_reserved(context: &Context<'_>) -> bool {
+    let layout = match context.message() {
+        Message::LssRequest(message) => message.layout(),
+        Message::LssResponse(message) => message.layout(),
+        Message::LmtRequest(message) => message.layout(),
+        Message::LmtResponse(message) => message.layout(),
+        _ => return false,
+    };
+    let payload = context.record.frame.data();
+    let reserved = layout.fields.iter().filter(|field| field.is_reserved());
+    reserved.filter_map(|field| field.within(payload.len())?.get(payload)).any(|value| value != 0)
+}
+
 impl Rule for Dialogue {
     fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
+        if has_reserved(context) {
+            let detail = 5 << 16 | u64::from(own_command(context));
+            let report = Report::at(context.now()).detail(detail).severity(Severity::Info);
+            sink.report(report.evidence(context.evidence()), || {
+                format!("reserved bytes after {:02X}h are not 0: {}", own_command(context), words(context.message()))
+            });
+        }
         match sender(context.message()) {
             Some(Sender::Master) => (self.request, self.answer) = (Some(context.seen()), None),
             Some(Sender::Slave) => self.answered(context, sink),

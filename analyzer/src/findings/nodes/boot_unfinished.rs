@@ -1,7 +1,7 @@
 use crate::findings::effect::{Effect, SETTLE};
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Scene, Seen};
+use crate::findings::{Context, Scene, Seen, Severity};
 use crate::message::{Message, Service};
 use crate::network::sdo::{Direction, Outcome, Transfer};
 use crate::object;
@@ -24,7 +24,9 @@ const FOLLOWS: &[(&str, Effect)] = &[
 /// The NMT master has begun to boot a node after its boot-up, as CiA 302-2 describes it: it has read the device type
 /// (1000h) or the identity (1018h), and may have configured the node and its error control. Then nothing more is done for
 /// the node: it is not started until the capture ends, while SYNC goes on or other nodes are operational. The finding
-/// names the last step, what is missing, and the nodes that have booted too and for which nothing was done.
+/// names the last step, what is missing, and the nodes that have booted too and for which nothing was done. Where the
+/// capture goes on with other things, a node whose boot was begun and that is still not started after ten seconds is an
+/// information: its master may leave it like that.
 ///
 /// # Why
 /// The network does not come up: the node waits in pre-operational for its master, and with it all nodes after it.
@@ -124,6 +126,9 @@ impl Boot {
     }
 }
 
+/// A node whose boot was begun this long ago, and that is not started, is left as it is.
+const LEFT: Duration = Duration::from_secs(10);
+
 /// The objects that configure heartbeat and guarding of a node.
 const MONITORING: [u16; 3] = [object::PRODUCER_HEARTBEAT_TIME, object::GUARD_TIME, object::LIFE_TIME_FACTOR];
 
@@ -145,16 +150,37 @@ impl BootUnfinished {
         rows.map(|row| row.0).filter(|other| *other != node && !is_operational(*other, scene)).collect()
     }
 
+    /// The boot of a node that was begun and has stood still since this time, and what goes on meanwhile.
+    fn stands_still(
+        &self,
+        (node, at): (NodeId, Timestamp),
+        wait: Duration,
+        scene: &Scene<'_>,
+    ) -> Option<(&Boot, &'static str)> {
+        let boot = self.nodes[node].as_deref().filter(|boot| boot.is_begun())?;
+        let sync = scene.latest.get(sync::CAN_ID).filter(|seen| seen.decoded.service == Service::Sync);
+        let goes_on = match sync {
+            Some(sync) if sync.time().since(at) > wait => "SYNC goes on",
+            _ if NodeId::all().any(|other| other != node && is_operational(other, scene)) => {
+                "other nodes are operational"
+            }
+            _ => return None,
+        };
+        let is_still = scene.now.since(at) > wait && !is_operational(node, scene);
+        is_still.then_some((boot, goes_on))
+    }
+
     fn tell(
         &self,
         (node, at): (NodeId, Timestamp),
         boot: &Boot,
         goes_on: &str,
+        severity: Severity,
         scene: &Scene<'_>,
         sink: &mut Sink<'_>,
     ) {
         let last = scene.latest.get(crate::wire::sdo::RESPONSE_BASE + u16::from(node.raw()));
-        let report = Report::at(at).until(scene.now).node(node).evidence(boot.boot_up.evidence());
+        let report = Report::at(at).until(scene.now).node(node).severity(severity).evidence(boot.boot_up.evidence());
         let report = report.evidence(last.filter(|seen| seen.time() == at).map(Seen::evidence));
         sink.report(report, || {
             let silence = scene.now.since(at);
@@ -208,19 +234,16 @@ impl Rule for BootUnfinished {
     }
 
     fn finish(&mut self, scene: &Scene<'_>, sink: &mut Sink<'_>) {
-        let Some((node, at)) = self.last else { return };
-        let Some(boot) = self.nodes[node].as_deref().filter(|boot| boot.is_begun()) else { return };
         let wait = self.wait.max(self.pace.times(20));
-        let sync = scene.latest.get(sync::CAN_ID).filter(|seen| seen.decoded.service == Service::Sync);
-        let goes_on = match sync {
-            Some(sync) if sync.time().since(at) > wait => "SYNC goes on",
-            _ if NodeId::all().any(|other| other != node && is_operational(other, scene)) => {
-                "other nodes are operational"
+        let last = self.last.filter(|row| self.stands_still(*row, wait, scene).is_some());
+        if let Some((row, (boot, goes_on))) = last.and_then(|row| Some((row, self.stands_still(row, wait, scene)?))) {
+            self.tell(row, boot, goes_on, Severity::Warning, scene, sink);
+        }
+        for (node, boot) in self.nodes.iter().filter(|(node, _)| last.is_none_or(|row| row.0 != *node)) {
+            let Some(at) = boot.as_deref().map(|boot| boot.boot_up.time()) else { continue };
+            if let Some((boot, goes_on)) = self.stands_still((node, at), LEFT, scene) {
+                self.tell((node, at), boot, goes_on, Severity::Info, scene, sink);
             }
-            _ => return,
-        };
-        if scene.now.since(at) > wait && !is_operational(node, scene) {
-            self.tell((node, at), boot, goes_on, scene, sink);
         }
     }
 }

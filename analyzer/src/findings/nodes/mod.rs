@@ -6,6 +6,7 @@ mod command_not_obeyed;
 mod consumer_time;
 mod guarding_toggle;
 mod guarding_unanswered;
+mod heartbeat_additional;
 mod heartbeat_ended;
 mod heartbeat_jitter;
 mod heartbeat_late;

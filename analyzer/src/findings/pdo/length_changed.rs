@@ -7,7 +7,7 @@ use canvass_macros::rule;
 
 /// a PDO changes its length
 ///
-/// A TPDO whose mapping is not known has had one length in at least 20 frames, and then comes with another. NMT
+/// A PDO whose mapping is not known has had one length in at least 20 frames, and then comes with another. NMT
 /// commands, boot-ups and writes to its parameters begin anew. Where the mapping is known, pdo/length compares
 /// with it.
 ///
@@ -27,12 +27,15 @@ impl Rule for LengthChanged {
         let (Some(node), StreamEvent::Length { before, times }) = (context.node(), context.news().stream) else {
             return;
         };
-        let Message::Pdo(pdo @ PdoNumber::Transmit(number)) = *context.message() else { return };
+        let Message::Pdo(pdo) = *context.message() else { return };
         if context.scene.bus.node(node).is_some_and(|known| known.known_layout(pdo).is_some()) {
             return;
         }
         let found = context.record.frame.len();
-        let detail = u64::from(number) << 8 | found as u64;
+        let detail = match pdo {
+            PdoNumber::Transmit(number) => u64::from(number) << 8 | found as u64,
+            PdoNumber::Receive(number) => 1 << 32 | u64::from(number) << 8 | found as u64,
+        };
         let report = Report::at(context.now()).node(node).detail(detail);
         let report = report.evidence(context.previous.map(Seen::evidence)).evidence(context.evidence());
         sink.report(report, || format!("{pdo} has {found} bytes, the {times} before it had {before}"));

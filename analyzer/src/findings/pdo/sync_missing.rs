@@ -60,6 +60,9 @@ struct Gaps {
     kept: u32,
 }
 
+/// The share of the period after which SYNC has ended.
+const ENDED: Percent = Percent(500);
+
 /// An interval in which SYNC may be missing.
 struct Gap {
     before: Option<Seen>,
@@ -148,6 +151,12 @@ impl SyncMissing {
         }
     }
 
+    /// Whether SYNC has been silent for many periods.
+    fn is_over(&self, now: Timestamp, scene: &Scene<'_>) -> bool {
+        let Some(((last, _), period)) = self.last.zip(self.rhythm.period()) else { return false };
+        now.since(last) > ENDED.of(period) + scene.slack() + Duration::from_millis(10)
+    }
+
     #[cold]
     fn open(&mut self, length: Duration, context: &Context<'_>) {
         if self.gaps.open.len() < Gaps::MOST {
@@ -164,8 +173,11 @@ impl Rule for SyncMissing {
                 self.rhythm.restart();
                 (self.last, self.gaps) = (None, Gaps::default());
             } else if context.begins_anew() {
+                // A command explains no silence that began long before it.
+                if !self.is_over(context.now(), context.scene) {
+                    self.last = None;
+                }
                 self.rhythm.pause();
-                self.last = None;
             }
             return;
         }
@@ -179,7 +191,6 @@ impl Rule for SyncMissing {
     }
 
     fn finish(&mut self, scene: &Scene<'_>, sink: &mut Sink<'_>) {
-        const ENDED: Percent = Percent(500);
         let period = if self.gaps.open.is_empty() { self.rhythm.period() } else { Some(self.gaps.period) };
         if self.gaps.kept >= Gaps::BELIEVED {
             self.gaps.tell(sink);

@@ -3,8 +3,9 @@ use crate::findings::effect::{Effect, SETTLE};
 use crate::findings::facts::RequestEvent;
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Seen};
+use crate::findings::{Context, Seen, Severity};
 use crate::message::Message;
+use crate::wire::Fields;
 use crate::wire::sdo::{Request, Response};
 use canvass_macros::rule;
 
@@ -16,7 +17,8 @@ const EFFECTS: &[Effect] =
 ///
 /// The command byte has bits set that CiA 301 reserves; or it gives a number of unused bytes, or a value, without the
 /// bits that make the transfer an expedited one with a size. Each command byte of each side is one finding. Before a
-/// transfer on the channel has begun in the capture, the answer must show that the frame is a request.
+/// transfer on the channel has begun in the capture, the answer must show that the frame is a request. Reserved bytes after
+/// the command byte that are not 0 are an information: many clients leave the bytes of an earlier message there.
 ///
 /// # Why
 /// The two sides read the message differently: where bit e is missing, one side has sent a value that the other takes
@@ -47,6 +49,8 @@ enum Fault {
     Unused,
     /// Bytes 4 to 7 are not 0, although the message has neither a value nor a size.
     Value,
+    /// Reserved bytes after the command byte are not 0.
+    Bytes,
 }
 
 /// The fault of an initiate message with `nnes` in its lower bits.
@@ -89,7 +93,28 @@ fn fault(message: &Message, payload: &[u8]) -> Option<Fault> {
         _ => 0,
     };
     let set = command & reserved;
-    (set != 0).then_some(Fault::Bits(set))
+    let of_bits = (set != 0).then_some(Fault::Bits(set));
+    of_bits.or_else(|| reserved_bytes(message, payload).then_some(Fault::Bytes))
+}
+
+/// Whether a reserved byte after the command byte is not 0.
+fn reserved_bytes(message: &Message, payload: &[u8]) -> bool {
+    let layout = match message {
+        Message::SdoRequest(request) => request.layout(),
+        Message::SdoResponse(response) => response.layout(),
+        _ => return false,
+    };
+    // Without its indication the size is reserved, too.
+    let has_no_size = matches!(
+        message,
+        Message::SdoRequest(Request::InitiateBlockDownload { size: None, .. })
+            | Message::SdoResponse(Response::InitiateBlockUpload { size: None, .. })
+    );
+    if has_no_size && payload.iter().skip(4).any(|byte| *byte != 0) {
+        return true;
+    }
+    let reserved = layout.fields.iter().filter(|field| field.is_reserved() && field.first >= 8);
+    reserved.filter_map(|field| field.within(payload.len())?.get(payload)).any(|value| value != 0)
 }
 
 impl Rule for ReservedBits {
@@ -136,7 +161,10 @@ impl Rule for ReservedBits {
 fn tell(seen: &Seen, fault: Fault, context: &Context<'_>, sink: &mut Sink<'_>) {
     let client = matches!(seen.decoded.message, Message::SdoRequest(_));
     let command = seen.record.frame.bytes()[0];
-    let report = Report::at(seen.time()).node(context.node()).detail(u64::from(command) << 1 | u64::from(client));
+    let is_bytes = fault == Fault::Bytes;
+    let detail = u64::from(is_bytes) << 9 | u64::from(command) << 1 | u64::from(client);
+    let report = Report::at(seen.time()).node(context.node()).detail(detail);
+    let report = if is_bytes { report.severity(Severity::Info) } else { report };
     sink.report(report.evidence(seen.evidence()), || {
         let side = if client { "client" } else { "server" };
         let object = seen.decoded.object.map(|object| format!(" ({object})")).unwrap_or_default();
@@ -148,6 +176,7 @@ fn tell(seen: &Seen, fault: Fault, context: &Context<'_>, sink: &mut Sink<'_>) {
             Fault::Unused => {
                 format!("{side}: command byte {command:02X}h counts unused bytes, but announces no value{object}")
             }
+            Fault::Bytes => format!("{side}: {command:02X}h, and reserved bytes after it are not 0{object}"),
             Fault::Value => {
                 format!("{side}: command byte {command:02X}h announces no value, but bytes 4 to 7 are not 0{object}")
             }

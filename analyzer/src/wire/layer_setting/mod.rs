@@ -322,6 +322,95 @@ impl<D: Dialect> Wire for Response<D> {
 
 const SPECIFIER: Field = Field::new("command specifier", 0, 0, 8);
 
+const WITHOUT_PARAMETERS: &[Field] = &[SPECIFIER, Field::reserved(1, 0, 56)];
+
+impl<D: Dialect> Request<D> {
+    const SWITCH_GLOBAL: Layout =
+        Layout { name: "switch global", fields: &[SPECIFIER, Field::new("mode", 1, 0, 8), Field::reserved(2, 0, 48)] };
+    const CONFIGURE_NODE_ID: Layout = Layout {
+        name: "configure node-ID",
+        fields: &[SPECIFIER, Field::new("node-ID", 1, 0, 8), Field::reserved(2, 0, 48)],
+    };
+    const CONFIGURE_BIT_TIMING: Layout = Layout {
+        name: "configure bit timing",
+        fields: &[
+            SPECIFIER,
+            Field::new("table", 1, 0, 8),
+            Field::new("table index", 2, 0, 8),
+            Field::reserved(3, 0, 40),
+        ],
+    };
+    const ACTIVATE_BIT_TIMING: Layout = Layout {
+        name: "activate bit timing",
+        fields: &[SPECIFIER, Field::new("delay", 1, 0, 16), Field::reserved(3, 0, 40)],
+    };
+    const STORE: Layout = Layout { name: "store configuration", fields: WITHOUT_PARAMETERS };
+    const SWITCH_SELECTIVE: Layout = Layout { name: "switch selective", fields: D::PART_FIELDS };
+    const IDENTIFY_REMOTE: Layout = Layout { name: "identify remote slave", fields: D::PART_FIELDS };
+    const INQUIRE: Layout = Layout { name: "inquire", fields: WITHOUT_PARAMETERS };
+    const IDENTIFY_NON_CONFIGURED: Layout =
+        Layout { name: "identify slave without node-ID", fields: WITHOUT_PARAMETERS };
+    const FASTSCAN: Layout = Layout {
+        name: "Fastscan",
+        fields: &[
+            SPECIFIER,
+            Field::new("ID number", 1, 0, 32),
+            Field::new("bit check", 5, 0, 8),
+            Field::new("LSS sub", 6, 0, 8),
+            Field::new("LSS next", 7, 0, 8),
+        ],
+    };
+    const INQUIRE_NODE_ID: Layout = Layout { name: "inquire node-ID", fields: WITHOUT_PARAMETERS };
+    const UNKNOWN: Layout = Layout { name: "unknown", fields: &[SPECIFIER, Field::new("data", 1, 0, 56)] };
+}
+
+impl<D: Dialect> Fields for Request<D> {
+    const LAYOUTS: &'static [&'static Layout] = match D::PROTOCOL {
+        Protocol::Lss => &[
+            &Self::SWITCH_GLOBAL,
+            &Self::CONFIGURE_NODE_ID,
+            &Self::CONFIGURE_BIT_TIMING,
+            &Self::ACTIVATE_BIT_TIMING,
+            &Self::STORE,
+            &Self::SWITCH_SELECTIVE,
+            &Self::IDENTIFY_REMOTE,
+            &Self::INQUIRE,
+            &Self::IDENTIFY_NON_CONFIGURED,
+            &Self::FASTSCAN,
+            &Self::INQUIRE_NODE_ID,
+            &Self::UNKNOWN,
+        ],
+        Protocol::Lmt => &[
+            &Self::SWITCH_GLOBAL,
+            &Self::CONFIGURE_NODE_ID,
+            &Self::CONFIGURE_BIT_TIMING,
+            &Self::ACTIVATE_BIT_TIMING,
+            &Self::STORE,
+            &Self::SWITCH_SELECTIVE,
+            &Self::IDENTIFY_REMOTE,
+            &Self::INQUIRE,
+            &Self::UNKNOWN,
+        ],
+    };
+
+    fn layout(&self) -> &'static Layout {
+        match self {
+            Self::SwitchGlobal { .. } => &Self::SWITCH_GLOBAL,
+            Self::ConfigureNodeId { .. } => &Self::CONFIGURE_NODE_ID,
+            Self::ConfigureBitTiming { .. } => &Self::CONFIGURE_BIT_TIMING,
+            Self::ActivateBitTiming { .. } => &Self::ACTIVATE_BIT_TIMING,
+            Self::StoreConfiguration => &Self::STORE,
+            Self::SwitchSelective { .. } => &Self::SWITCH_SELECTIVE,
+            Self::IdentifyRemote { .. } => &Self::IDENTIFY_REMOTE,
+            Self::Inquire { .. } => &Self::INQUIRE,
+            Self::IdentifyNonConfigured => &Self::IDENTIFY_NON_CONFIGURED,
+            Self::Fastscan { .. } => &Self::FASTSCAN,
+            Self::InquireNodeId => &Self::INQUIRE_NODE_ID,
+            Self::Unknown { .. } => &Self::UNKNOWN,
+        }
+    }
+}
+
 impl<D: Dialect> Response<D> {
     const CONFIGURED: Layout = Layout {
         name: "configuration confirmed",

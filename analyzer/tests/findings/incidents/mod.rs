@@ -1,8 +1,9 @@
 //! Networks of 3 to 20 nodes, healthy ones and ones with one fault each. The first story must name the fault from which
 //! the other findings follow.
 //!
-//! `cargo xtask incidents` runs a thousand of each kind and prints the table of `docs/diagnose.md`; the tests run
-//! fewer.
+//! Here the other nodes and the master react: they report the missing heartbeat, leave operational, and reset the
+//! node. The matrix (`tests/matrix`) has more that goes wrong, and nobody who reacts to it. `CANVASS_INCIDENTS` sets the
+//! number of networks, and `--nocapture` shows the table.
 
 mod network;
 mod random;

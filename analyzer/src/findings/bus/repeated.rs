@@ -1,0 +1,124 @@
+use crate::findings::effect::Effect;
+use crate::findings::rule::Rule;
+use crate::findings::sink::{Report, Sink};
+use crate::findings::{Context, Seen};
+use crate::message::{Message, Service};
+use canvass_macros::rule;
+use canvass_traces::Duration;
+
+/// Effects: the node's other messages, and those of nodes with less priority, are late or missing.
+const EFFECTS: &[Effect] = &[Effect::on_the_rest().of_same_node().if_less_grave()];
+
+/// a frame is repeated without pause
+///
+/// The same frame comes again and again, with less than three milliseconds between two of them; SYNC ten times as often,
+/// because producers also catch up what they have missed. Messages that come
+/// regularly, such as PDOs and heartbeats, count only if they came with longer pauses before.
+///
+/// # Why
+/// The frame takes the bus from all messages with higher CAN-IDs, and its receivers execute it each time.
+///
+/// # What to do
+/// Look at the program of the sender: a transmit request that is not cleared, or an error handler without a pause. A
+/// gateway that hears its own frames repeats them as well.
+#[rule(
+    id = "bus/repeated",
+    severity = Error,
+    rank = Participants,
+    services = [Nmt, BootUp, Heartbeat, Guarding, Sync, Time, Emcy, Pdo, Sdo, Lss, Lmt, Srdo, FlyingMaster],
+    leads_to = EFFECTS
+)]
+struct Repeated {
+    /// number of repetitions that is reported
+    #[threshold(count = 20, min = 2)]
+    most: u64,
+    /// a longer pause ends the repetitions
+    #[threshold(us = 3000)]
+    pause: Duration,
+    run: Option<Box<Run>>,
+    /// By CAN-ID, the number of consecutive longer pauses of regular messages; empty before the first one.
+    slow: Vec<u8>,
+}
+
+/// Repetitions of a frame.
+struct Run {
+    can_id: u16,
+    count: u64,
+    first: Seen,
+}
+
+/// Whether a message of the service comes regularly in a network that works, so that it may also come often.
+const fn is_regular(service: Service) -> bool {
+    matches!(service, Service::Sync | Service::Pdo | Service::Heartbeat | Service::Guarding | Service::Srdo)
+}
+
+impl Repeated {
+    /// Number of longer pauses after which frames without pause are not the usual period of a regular message.
+    const SELDOM: u8 = 5;
+
+    /// Notes a pause of a regular message.
+    fn paused(&mut self, can_id: u16) {
+        if self.slow.is_empty() {
+            self.slow.resize(0x800, 0);
+        }
+        if let Some(slow) = self.slow.get_mut(usize::from(can_id)) {
+            *slow = slow.saturating_add(1);
+        }
+    }
+
+    /// Begins to count, if the message does not come as often in its usual period.
+    #[cold]
+    fn begin(&mut self, can_id: u16, previous: &Seen, is_regular: bool) {
+        let slow = self.slow.get_mut(usize::from(can_id)).map_or(0, std::mem::take);
+        if !is_regular || slow >= Self::SELDOM {
+            self.run = Some(Box::new(Run { can_id, count: 1, first: previous.clone() }));
+        }
+    }
+
+    #[cold]
+    fn tell(&self, run: &Run, context: &Context<'_>, sink: &mut Sink<'_>) {
+        let service = context.decoded.service;
+        let node = context.node().filter(|_| service != Service::Nmt);
+        let begin = run.first.time();
+        let report = Report::at(begin).until(context.now()).node(node).detail(run.can_id.into()).measure(run.count);
+        sink.report(report.evidence(run.first.evidence()).evidence(context.evidence()), || {
+            let span = context.now().since(begin);
+            format!("the same {service} {} times within {span}", run.count + 1)
+        });
+    }
+}
+
+impl Rule for Repeated {
+    fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
+        let (Some(previous), Some(can_id)) = (context.previous, context.record.frame.id().as_standard()) else {
+            return;
+        };
+        let service = context.decoded.service;
+        let is_regular = is_regular(service) && *context.message() != Message::GlobalFailSafe;
+        if context.now().since(previous.time()) > self.pause {
+            if is_regular {
+                self.paused(can_id);
+            }
+            return;
+        }
+        if previous.record.frame != context.record.frame {
+            return;
+        }
+        match self.run.as_deref_mut() {
+            Some(run) if run.can_id == can_id && run.first.record.frame == context.record.frame => {
+                run.count += 1;
+                let most = if service == Service::Sync { 10 * self.most } else { self.most };
+                let is_due = run.count == most || run.count > most && run.count.is_power_of_two();
+                if is_due && let Some(run) = self.run.take() {
+                    self.tell(&run, context, sink);
+                    self.run = Some(run);
+                }
+            }
+            _ => self.begin(can_id, previous, is_regular),
+        }
+    }
+
+    fn interrupted(&mut self) {
+        self.run = None;
+    }
+}

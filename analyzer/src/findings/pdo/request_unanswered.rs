@@ -1,0 +1,98 @@
+use crate::findings::rule::Rule;
+use crate::findings::sink::{Report, Sink};
+use crate::findings::{Context, Scene, Seen, Severity};
+use crate::message::{Message, PdoNumber};
+use crate::{NodeId, PerNode};
+use canvass_macros::rule;
+use canvass_traces::Duration;
+
+/// a request for a PDO gets no answer
+///
+/// A remote frame asks for a TPDO, and the TPDO does not come in time. If it has answered no request in this capture
+/// before, it may not support requests: the severity is then info. NMT commands and missing frames begin anew: a node that is not operational answers none.
+///
+/// # Why
+/// The consumer goes on with the last value, or takes the node for lost.
+///
+/// # What to do
+/// If the node sends other messages, see its state, and bit 30 of 180xh:1, which forbids requests.
+#[rule(id = "pdo/request-unanswered", severity = Warning, rank = ProcessData, services = [Pdo, Nmt, BootUp])]
+struct RequestUnanswered {
+    /// timeout for an answer
+    #[threshold(ms = 200)]
+    wait: Duration,
+    nodes: PerNode<Vec<Asked>>,
+    /// Whether any request is unanswered.
+    waits: bool,
+}
+
+/// A TPDO for which a remote frame has asked.
+struct Asked {
+    number: u16,
+    /// The request, as long as it is unanswered.
+    open: Option<Seen>,
+    /// Whether a request was answered before.
+    answers: bool,
+}
+
+impl RequestUnanswered {
+    fn asked(&mut self, node: NodeId, number: u16, context: &Context<'_>, sink: &mut Sink<'_>) {
+        self.give_up(node, context.scene, sink);
+        let rows = &mut self.nodes[node];
+        self.waits = true;
+        match rows.iter_mut().find(|row| row.number == number) {
+            Some(row) => row.open = row.open.take().or_else(|| Some(context.seen())),
+            None => rows.push(Asked { number, open: Some(context.seen()), answers: false }),
+        }
+    }
+
+    /// Reports the requests to a node that have waited for too long.
+    fn give_up(&mut self, node: NodeId, scene: &Scene<'_>, sink: &mut Sink<'_>) {
+        let limit = self.wait + scene.slack();
+        for Asked { number, open, answers } in &mut self.nodes[node] {
+            let is_late = open.as_ref().is_some_and(|open| scene.now.since(open.time()) > limit);
+            let due = open.take_if(|_| is_late).filter(|_| scene.facts.must_send(node, scene.now));
+            let Some(request) = due else { continue };
+            let report = Report::at(request.time()).node(node).detail(u64::from(*number));
+            let report = if *answers { report } else { report.severity(Severity::Info) };
+            sink.report(report.evidence(request.evidence()), || {
+                format!("no {} within {} of the request for it", PdoNumber::Transmit(*number), self.wait)
+            });
+        }
+    }
+
+    fn forget(&mut self, node: u8) {
+        let rows = self.nodes.named_mut(node).flat_map(|(_, rows)| rows.iter_mut());
+        rows.for_each(|row| row.open = None);
+    }
+}
+
+impl Rule for RequestUnanswered {
+    fn frame(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
+        match (context.message(), context.node()) {
+            (Message::Nmt(nmt), _) => self.forget(nmt.node),
+            (Message::ErrorControl(_), Some(node)) => self.forget(node.raw()),
+            (Message::PdoRequest(PdoNumber::Transmit(number)), Some(node)) => self.asked(node, *number, context, sink),
+            (Message::Pdo(PdoNumber::Transmit(number)) | Message::Mpdo(PdoNumber::Transmit(number), _), Some(node))
+                if self.waits =>
+            {
+                if let Some(row) = self.nodes[node].iter_mut().find(|row| row.number == *number) {
+                    row.answers |= row.open.take().is_some();
+                }
+            }
+            _ => {}
+        }
+    }
+
+    fn tick(&mut self, scene: &Scene<'_>, sink: &mut Sink<'_>) {
+        if !self.waits {
+            return;
+        }
+        NodeId::all().for_each(|node| self.give_up(node, scene, sink));
+        self.waits = self.nodes.iter().any(|(_, rows)| rows.iter().any(|row| row.open.is_some()));
+    }
+
+    fn interrupted(&mut self) {
+        self.forget(0);
+    }
+}

@@ -1,0 +1,4 @@
+//! Rules about safety-relevant data.
+
+mod ended;
+mod halves;
