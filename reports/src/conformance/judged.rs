@@ -7,9 +7,7 @@ use canvass_suite::verdict::{Kind, Reason};
 pub fn name_judges(cases: &mut [CaseReport]) {
     let failed = cases.iter().filter(|report| report.verdict.kind() == Kind::Fail);
     let judged: Vec<(Reason, &'static str)> = failed
-        .flat_map(|report| {
-            report.verdict.breaches().iter().map(|ruled| (Reason::from(&ruled.breach), report.case.id))
-        })
+        .flat_map(|report| report.verdict.breaches().iter().map(|ruled| (Reason::from(&ruled.breach), report.case.id)))
         .collect();
     for report in cases.iter_mut().filter(|report| report.verdict.kind() == Kind::Inconclusive) {
         let reason = report.verdict.reason();

@@ -67,9 +67,7 @@ impl Transfer {
     /// The code with which a faulty firmware refuses new requests without ending this transfer.
     fn survives(&self, firmware: &Firmware) -> Option<AbortCode> {
         match self {
-            Self::Download(_) => {
-                firmware.has(Fault::SdoOpenDownloadSurvivesReset).then_some(AbortCode::LOCAL_CONTROL)
-            }
+            Self::Download(_) => firmware.has(Fault::SdoOpenDownloadSurvivesReset).then_some(AbortCode::LOCAL_CONTROL),
             Self::BlockUpload(_) => {
                 firmware.has(Fault::SdoBlockUploadSurvivesRefusal).then_some(AbortCode::COMMAND_SPECIFIER)
             }

@@ -420,7 +420,8 @@ fn a_pdo_that_is_off_without_a_can_id_is_on_with_the_predefined_one() {
 #[test]
 fn a_value_of_unstated_size_has_the_size_of_its_type() {
     let target = described(&[("2000", "DataType=0x0005"), ("2001", "DataType=0x0009")]);
-    let script = table(&[("63F#4000200000000000", "5BF#4200200007000000"), ("63F#4001200000000000", "5BF#4201200061620000")]);
+    let script =
+        table(&[("63F#4000200000000000", "5BF#4200200007000000"), ("63F#4001200000000000", "5BF#4201200061620000")]);
     with_target(script, &target, &Options::default(), |bench| {
         assert_eq!(bench.read(at(0x2000)).unwrap(), [7]);
         assert_eq!(bench.read(at(0x2001)).unwrap(), *b"ab\0\0", "a string has no size");

@@ -87,7 +87,8 @@ fn every(bench: &mut Bench<'_>, downloads: &[Form], readings: &[Reading]) -> Jud
         }
         count += 1;
         let value = text(LENGTHS[length], count);
-        let trial = Trial { at, value, download: downloads[download], reading: readings[reading], before: BEFORE[before] };
+        let trial =
+            Trial { at, value, download: downloads[download], reading: readings[reading], before: BEFORE[before] };
         match trial.judge(bench, &mut held) {
             Ok(is_confirmed) => confirmed += usize::from(is_confirmed),
             Err(Stop::Breach(breach)) => {
