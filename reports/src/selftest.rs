@@ -121,8 +121,8 @@ fn violations(row: &FuzzedLiberties) -> results::selftest::FuzzedLiberties {
 fn violation(found: &Found) -> FuzzedViolation {
     let violation = &found.violation;
     FuzzedViolation {
-        actual: violation.actual.clone(),
-        expected: violation.expected.clone(),
+        actual: violation.actual.to_string(),
+        expected: violation.expected.to_string(),
         log: reproducer::candump(&found.sequence),
         property: violation.property.id().into(),
         rule: violation.rule.into(),

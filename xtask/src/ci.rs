@@ -3,6 +3,7 @@
 use crate::as_found::as_found;
 use crate::attack;
 use crate::browser;
+use crate::compiled::FEATURES;
 use crate::consent;
 use crate::docs;
 use crate::fleet;
@@ -18,10 +19,6 @@ use std::process::Command;
 use std::sync::Mutex;
 use std::thread::JoinHandle;
 use std::time::{Duration, Instant};
-
-/// The features that CI compiles at once, including those of tests with steps of their own: other programs, a
-/// browser, or a kernel with CAN.
-pub const FEATURES: [&str; 2] = ["--features", "canvass/peers,canvass/browser,canvass/vcan,canvass/page"];
 
 /// The tests that the test step leaves to other steps, as a filter of nextest.
 const WITHOUT_NEEDS: [&str; 2] =

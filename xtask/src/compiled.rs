@@ -6,6 +6,10 @@ use std::io::{BufRead, BufReader};
 use std::path::PathBuf;
 use std::process::{Command, Stdio};
 
+/// The features that CI compiles at once, including those of tests with steps of their own: other programs, a
+/// browser, or a kernel with CAN.
+pub const FEATURES: [&str; 2] = ["--features", "canvass/peers,canvass/browser,canvass/vcan,canvass/page"];
+
 /// The result of a call of cargo.
 #[derive(Debug, Default)]
 pub struct Compiled {

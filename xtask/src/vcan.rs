@@ -9,8 +9,7 @@ mod kernel;
 mod machine;
 mod report;
 
-use crate::ci::FEATURES;
-use crate::compiled::compile;
+use crate::compiled::{FEATURES, compile};
 use crate::packages::{Package, install};
 use crate::peers;
 use crate::run::{is_there, this_program};

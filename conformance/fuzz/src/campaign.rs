@@ -266,7 +266,7 @@ impl Campaign<'_> {
         for sequence in &self.plan.regressions {
             // Each of these few sequences has shown a violation before: the careful pace excludes late answers to other
             // frames.
-            self.attempt(stand, SequenceTree::new(sequence.clone()), Pace::Careful)?;
+            self.attempt(stand, &SequenceTree::new(sequence.clone()), Pace::Careful)?;
             if self.is_over(go_on) {
                 return Ok(());
             }
@@ -309,7 +309,7 @@ impl Campaign<'_> {
                 keep_to_share(&mut sequence, &self.executor.tally.spent);
                 tree = SequenceTree::new(sequence);
             }
-            self.attempt_new(stand, tree, pace)?;
+            self.attempt_new(stand, &tree, pace)?;
             if self.is_over(go_on) {
                 return Ok(());
             }
@@ -344,7 +344,7 @@ impl Campaign<'_> {
         Ok(())
     }
 
-    fn attempt(&mut self, stand: &mut dyn TestStand, tree: SequenceTree, pace: Pace) -> Result<(), BusError> {
+    fn attempt(&mut self, stand: &mut dyn TestStand, tree: &SequenceTree, pace: Pace) -> Result<(), BusError> {
         self.sequences += 1;
         let keep = !stand.is_repeatable();
         match self.executor.run(stand, tree.tried(), pace, keep)? {

@@ -426,8 +426,8 @@ impl Executor {
         Violation {
             property: Property::Alive,
             rule,
-            expected: expected.to_owned(),
-            actual: actual.to_owned(),
+            expected: expected.into(),
+            actual: actual.into(),
             abort: None,
             interval: None,
             is_silence: false,

@@ -89,13 +89,13 @@ fn violation(run: &Run, found: &Found, words: &Words) -> Violation {
     let frames = found.sequence.stimuli.iter().zip(&words.sequence);
     let evidence = found.evidence.iter().zip(&words.evidence);
     Violation {
-        actual: violation.actual.clone(),
+        actual: violation.actual.to_string(),
         clause: violation.clause(),
         confirmed: found.confirmed,
         cut_off: found.is_cut_off,
         device_state: violation.state.to_string(),
         evidence: evidence.map(|(record, words)| seen(record, words)).collect(),
-        expected: violation.expected.clone(),
+        expected: violation.expected.to_string(),
         frames: frames.map(|(stimulus, words)| sent(stimulus, words)).collect(),
         id: violation.defect().to_string(),
         late_ns: found.late.map(Duration::nanos),

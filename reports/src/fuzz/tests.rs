@@ -14,8 +14,8 @@ fn run() -> Run {
     let violation = Violation {
         property: Property::LegalSdo,
         rule: "initiate upload",
-        expected: HOSTILE.to_owned(),
-        actual: HOSTILE.to_owned(),
+        expected: HOSTILE.into(),
+        actual: HOSTILE.into(),
         abort: None,
         interval: None,
         is_silence: false,

@@ -18,7 +18,7 @@ impl Campaign<'_> {
     ) -> Result<bool, BusError> {
         let mut rest = self.plan.corpus.iter();
         while let Some(sequence) = rest.next() {
-            let ended = self.attempt_new(stand, SequenceTree::new(sequence.clone()), pace);
+            let ended = self.attempt_new(stand, &SequenceTree::new(sequence.clone()), pace);
             if ended.is_err() || self.is_over(go_on) {
                 self.corpus.extend(rest.cloned());
                 return ended.map(|()| true);
@@ -31,7 +31,7 @@ impl Campaign<'_> {
     pub(super) fn attempt_new(
         &mut self,
         stand: &mut dyn TestStand,
-        tree: SequenceTree,
+        tree: &SequenceTree,
         pace: Pace,
     ) -> Result<(), BusError> {
         let before = self.executor.tally.coverage.exercised();

@@ -116,7 +116,7 @@ impl Campaign<'_> {
                 let place = if is_early { "before the sequence: " } else { "" };
                 (false, format!("{place}{} {}: {}", violation.property, violation.rule, violation.actual))
             }
-            Ended::Violation(violation) | Ended::Lost { violation, .. } => (!is_early, violation.actual.clone()),
+            Ended::Violation(violation) | Ended::Lost { violation, .. } => (!is_early, violation.actual.to_string()),
         };
         proof.is_early |= is_early && !matches!(ended, Ended::Well);
         let is_cut_short = matches!(ended, Ended::Well) && !stand.is_repeatable() && self.plan.time.is_over();

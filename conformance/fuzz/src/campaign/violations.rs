@@ -188,7 +188,7 @@ impl Campaign<'_> {
             self.executor.run(stand, &found.sequence, Pace::Careful, true)?;
             let ended = self.executor.restart(stand)?;
             let (shows, came) = match &ended {
-                Ended::Lost { violation, .. } => (true, violation.actual.clone()),
+                Ended::Lost { violation, .. } => (true, violation.actual.to_string()),
                 Ended::Well | Ended::Violation(_) => (false, "the device came back".to_owned()),
             };
             found.repetitions.push(Repetition { replay: Replay::Answers, shows, came });

@@ -111,8 +111,8 @@ impl Executor {
         Err(Stop::Violation(Violation {
             property: WEDGED.0,
             rule: WEDGED.1,
-            expected: format!("the value of 1000h within {within}, after an abort in pre-operational"),
-            actual: "no answer".to_owned(),
+            expected: format!("the value of 1000h within {within}, after an abort in pre-operational").into(),
+            actual: "no answer".into(),
             abort: None,
             interval: None,
             is_silence: true,

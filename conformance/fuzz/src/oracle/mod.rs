@@ -515,8 +515,8 @@ fn violation(
     Violation {
         property,
         rule,
-        expected: expected.into(),
-        actual: actual.into(),
+        expected: expected.into().into_boxed_str(),
+        actual: actual.into().into_boxed_str(),
         abort: None,
         interval: None,
         is_silence: false,

@@ -626,7 +626,7 @@ impl Slave {
         let tolerance = self.tolerance(period);
         let least = Duration(period.nanos().saturating_sub(tolerance.nanos()));
         let wrong = violation(Property::NmtState, "period of the heartbeat", expected, actual, now);
-        Violation { interval: Some((least, period + tolerance)), ..wrong }
+        Violation { interval: Some(Box::new((least, period + tolerance))), ..wrong }
     }
 
     /// The tolerance of the heartbeat period.

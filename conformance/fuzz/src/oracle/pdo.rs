@@ -314,7 +314,7 @@ impl Pdos {
                 let actual = format!("none for {}", now.since(last));
                 let wrong = missing(seen, violation(Property::Pdo, "event timer", expected, actual, now));
                 let most = late(period, knowledge.patience.jitter) + seen.lag;
-                return Err(Violation { interval: Some((Duration::ZERO, most)), ..wrong });
+                return Err(Violation { interval: Some(Box::new((Duration::ZERO, most))), ..wrong });
             }
         }
         Ok(())
@@ -323,7 +323,7 @@ impl Pdos {
 
 /// Adds the allowed time between two PDOs to a violation.
 fn within(judged: Result<(), Violation>, least: Duration, most: Duration) -> Result<(), Violation> {
-    judged.map_err(|wrong| Violation { interval: Some((least, most)), ..wrong })
+    judged.map_err(|wrong| Violation { interval: Some(Box::new((least, most))), ..wrong })
 }
 
 /// The violation as the absence of the PDO shows it.

@@ -71,7 +71,7 @@ fn a_start_proves_nothing_while_an_error_lasts() {
     device.sends(10_000, start);
     let wrong = device.receives(heartbeat - 20_000, "704#7F").unwrap_err();
     assert_eq!((wrong.property, wrong.rule), (Property::NmtState, "state in error control"));
-    assert_eq!((wrong.expected.as_str(), wrong.actual.as_str()), ("operational", "pre-operational"));
+    assert_eq!((&*wrong.expected, &*wrong.actual), ("operational", "pre-operational"));
     assert_eq!(wrong.state.to_string(), "operational; SDO server: idle");
 }
 

@@ -15,13 +15,13 @@ pub struct Violation {
     /// The violated rule, or the state of the device.
     pub rule: &'static str,
     /// The required behaviour.
-    pub expected: String,
+    pub expected: Box<str>,
     /// The actual behaviour.
-    pub actual: String,
+    pub actual: Box<str>,
     /// The abort code, if only the code of the abort is wrong.
     pub abort: Option<AbortCode>,
     /// The allowed time between two frames with the CAN-ID of the symptom, if this time is wrong.
-    pub interval: Option<(Duration, Duration)>,
+    pub interval: Option<Box<(Duration, Duration)>>,
     /// Whether the device was silent although an answer was due.
     pub is_silence: bool,
     /// What shows the violation on the bus.

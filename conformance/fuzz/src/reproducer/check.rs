@@ -71,7 +71,7 @@ impl Check {
             Symptom::Frame(frame) => (frame.id().as_standard(), false),
             Symptom::Missing(can_id) => (can_id, true),
         };
-        match (violation.symptom, violation.interval, can_id) {
+        match (violation.symptom, violation.interval.as_deref().copied(), can_id) {
             (_, Some((least, most)), Some(can_id)) => {
                 let number = received(evidence, can_id).count();
                 Self::Period { can_id, number: (!is_missing).then_some(number), least, most }

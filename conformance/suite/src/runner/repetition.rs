@@ -11,7 +11,7 @@ use canvass_traces::Duration;
 const REPETITIONS: usize = 3;
 
 /// Number of repetitions of a failed case if the failure may come from a late device.
-const CONFIRMATIONS: u32 = 2;
+const CONFIRMATIONS: u32 = 3;
 
 /// Runs a case as often as the options require.
 pub(super) fn run_repeatedly(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {

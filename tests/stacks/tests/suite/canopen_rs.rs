@@ -12,6 +12,7 @@ const EXPECTED: &Expected = &[
     ("301/sdo/download/segmented-missing", Fail, NO_SUB_INDEX),
     ("301/sdo/upload/no-sub-index", Fail, NO_SUB_INDEX),
     ("301/error-history/empty", Fail, "entries of 1003h are there, and 0, while there is no error"),
+    ("301/error-history/not-zero", Fail, "any value written to 1003h:00 is confirmed"),
     ("301/heartbeat/length", Fail, LENGTH),
     ("301/sdo/download/every-too-short", Fail, LENGTH),
     ("301/sdo/download/too-short", Fail, LENGTH),
