@@ -224,7 +224,7 @@ fn seldom_late(firmware: impl Into<Firmware>, state: u64, apart: u64, selectors:
 #[test]
 fn a_device_that_is_seldom_late_fails_nothing() {
     let mut doubted = 0;
-    for (state, apart) in [(11, 1_000), (24, 1_000), (4, 3_000), (14, 3_000)] {
+    for (state, apart) in [(11, 1_000), (23, 1_000), (4, 3_000), (14, 3_000)] {
         let reports = seldom_late(Faults::NONE, state, apart, &[]);
         assert_eq!(ending(&reports, Kind::Fail), Vec::<String>::new(), "stalls up to {apart} ms apart, by {state}");
         let undecided = ending(&reports, Kind::Inconclusive);

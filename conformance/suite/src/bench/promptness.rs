@@ -51,10 +51,10 @@ impl Promptness {
         self.usual.unwrap_or_default()
     }
 
-    /// Whether at least one answer in three comes late: then the response times vary by nature and say nothing about
+    /// Whether at least one answer in four comes late: then the response times vary by nature and say nothing about
     /// timers. A device that sometimes gets too little processor time is prompt most of the time.
     const fn varies(self) -> bool {
-        self.reads >= FEWEST_READS && self.late * 3 >= self.reads
+        self.reads >= FEWEST_READS && self.late * 4 >= self.reads
     }
 
     /// The longest delay beyond the usual time in the case.
