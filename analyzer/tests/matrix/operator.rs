@@ -111,7 +111,8 @@ impl Operator {
         }
     }
 
-    /// The fate of a frame; `next` is the next frame of the same sender with the same identifier.
+    /// Decides whether the frame at `place` stays, is replaced, moves or is repeated. `next` is the place of the next frame
+    /// with the same sender and identifier.
     fn fate(self, plan: &Plan, place: usize, next: Option<usize>, draw: &mut Draw) -> Fate {
         let planned = &plan.frames[place];
         let instead = |frame: Option<Frame>| Fate { instead: frame, ..Fate::default() };

@@ -138,7 +138,7 @@ impl Write for Sink {
     }
 }
 
-/// The records as a file of a format; `None` if the format can't hold them with their times.
+/// Writes the records as a file of this format. Returns `None` if the format loses their times or channels.
 fn written(records: &[Record], format: Format) -> Option<Vec<u8>> {
     let mut channels = Channels::new();
     let highest = records.iter().map(|record| record.channel.0).max()?;
@@ -283,7 +283,7 @@ fn has_mpdo(records: &[Record]) -> bool {
     records.iter().any(|record| matches!(record.frame.id().raw(), 0x381..0x400) && record.frame.len() == 8)
 }
 
-/// A healthy network is healthy wherever its capture begins.
+/// No finding accuses a node of a healthy network, even if the capture lacks the first frames.
 #[test]
 fn a_healthy_capture_without_its_beginning_accuses_nobody() {
     for number in 0..14 {

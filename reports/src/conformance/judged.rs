@@ -46,8 +46,7 @@ mod tests {
         let undecided = |reason| Verdict::new(Vec::new(), Some(End::Inconclusive(reason)));
         let failed = Verdict::new(vec![Ruled { breach: breach.clone(), excuse: None }], None);
         let other = Reason::new("another duty", "an answer", "none");
-        let mut cases =
-            [report(0, undecided(Reason::from(&breach))), report(1, undecided(other)), report(2, failed)];
+        let mut cases = [report(0, undecided(Reason::from(&breach))), report(1, undecided(other)), report(2, failed)];
         name_judges(&mut cases);
         let judge = catalogue::cases()[2].id;
         assert_eq!(cases[0].notes, [format!("{judge} judges this answer")]);

@@ -11,7 +11,8 @@ use canvass_macros::rule;
 ///
 /// A frame on a CAN-ID of NMT, error control, SYNC, TIME, EMCY, SDO, LSS or LMT has more or fewer bytes than the
 /// standard defines for that service, or its bytes have no meaning there: an NMT command has a reserved specifier or a
-/// number that is no node-ID, or a boot-up message has the toggle bit. Reserved bits of TIME are an information. Each service and length has its own finding.
+/// number that is no node-ID, or a boot-up message has the toggle bit. Reserved bits of TIME have the severity info. Each
+/// service and length has its own finding.
 /// An EMCY without bytes is not reported: it is the boot-up message of devices before CiA 301 V4.
 ///
 /// # Why

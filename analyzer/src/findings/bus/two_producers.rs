@@ -144,7 +144,10 @@ impl TwoProducers {
         let off = (a + b).nanos().abs_diff(timer.nanos());
         if off <= timer.nanos() / NEAR + Duration::from_millis(1).nanos() {
             sink.report(report(), || {
-                format!("TPDO {number} comes after {a} and after {b} in turn, its event timer is {timer}: two devices send it")
+                format!(
+                    "TPDO {number} comes after {a} and after {b} in turn, its event timer is {timer}: two devices \
+                     send it"
+                )
             });
         }
     }

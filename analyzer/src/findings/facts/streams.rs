@@ -12,8 +12,9 @@ use canvass_traces::{Duration, Record, Timestamp};
 #[derive(Default)]
 pub struct Streams {
     nodes: PerNode<Option<Box<[Stream; TPDOS]>>>,
-    /// The RPDOs to each node, together and one by one.
+    /// The rhythm of all RPDOs that a node receives.
     received: PerNode<Beats>,
+    /// Each RPDO of a node.
     rpdos: PerNode<Option<Box<[Stream; TPDOS]>>>,
     sync: Beats,
     /// The TPDOs that had been silent when they began anew: at most one entry for each TPDO.

@@ -8,14 +8,16 @@ use canvass_traces::Duration;
 
 /// a request for a PDO gets no answer
 ///
-/// A remote frame asks for a TPDO, and the TPDO does not come in time. If it has answered no request in this capture
-/// before, it may not support requests: the severity is then info. NMT commands and missing frames begin anew: a node that is not operational answers none.
+/// A remote frame asks for a TPDO, and the TPDO does not come in time. If the node has answered no request for this TPDO
+/// in this capture before, it may not support requests: the severity is then info. After an NMT command or missing
+/// frames the node counts as one that has answered none: a node that is not operational answers no request.
 ///
 /// # Why
 /// The consumer goes on with the last value, or takes the node for lost.
 ///
 /// # What to do
-/// If the node sends other messages, see its state, and bit 30 of 180xh:1, which forbids requests.
+/// If the node sends other messages, check two things: its NMT state, and bit 30 of 180xh:01. A node answers requests only
+/// in operational, and only while this bit is 0.
 #[rule(id = "pdo/request-unanswered", severity = Warning, rank = ProcessData, services = [Pdo, Nmt, BootUp])]
 struct RequestUnanswered {
     /// timeout for an answer

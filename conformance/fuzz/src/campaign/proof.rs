@@ -28,7 +28,8 @@ struct Proof {
 }
 
 impl Campaign<'_> {
-    /// Sends the frames before the repetitions once, to learn whether a live device violates something in them.
+    /// Sends once the frames with which every repetition begins. They tell whether a live device violates something before
+    /// the sequence of a violation.
     pub(super) fn try_prelude(&mut self, stand: &mut dyn TestStand) -> Result<(), BusError> {
         if stand.is_repeatable() || self.plan.time.is_over() {
             return Ok(());

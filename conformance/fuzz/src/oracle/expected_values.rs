@@ -61,7 +61,7 @@ impl Off {
         }
     }
 
-    /// Why the device must not send the message.
+    /// The value of the COB-ID object that forbids the message.
     pub const fn reason(self) -> &'static str {
         match self {
             Self::Sync => "bit 30 of 1005h is 0, so that the device does not produce SYNC",

@@ -31,7 +31,7 @@ pub enum Check {
         can_id: u16,
         /// The number of such frames in the evidence.
         than: usize,
-        /// Whether a boot-up message counts, too.
+        /// Whether the check counts a boot-up message as one of these frames.
         boot_up: bool,
         /// The time after the last frame of the sequence within which they have to come.
         within: Duration,
@@ -140,7 +140,7 @@ impl Check {
     }
 }
 
-/// Shortest time to listen after a sequence.
+/// Minimum time for which the check listens after it has sent the sequence.
 const LEAST_PATIENCE: Duration = Duration::from_millis(500);
 
 /// Number of periods to listen for.

@@ -21,8 +21,8 @@ struct Pair {
 }
 
 impl Pair {
-    /// All pairs of these forms. The two transfers of a pair use the same object or two objects; if `all` is set, each
-    /// pair occurs in both ways.
+    /// All ordered pairs of these forms. The transfers of every second pair use the same object, those of the others two
+    /// objects. If `all` is set, each pair occurs in both ways.
     fn all(forms: &[Form], all: bool, counts: impl Fn(Form, Form) -> bool) -> Vec<Self> {
         let firsts = forms.iter().flat_map(|form| form.ends().iter().map(|end| (*form, *end)));
         let seconds = |first| forms.iter().map(move |second| (first, *second));
