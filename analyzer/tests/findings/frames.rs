@@ -42,6 +42,25 @@ fn a_fast_pdo_is_not_repeated() {
     assert!(slow.results().findings.iter().any(|finding| finding.rule.id == "bus/repeated"));
 }
 
+/// A client may read an object again as soon as it has the answer, and a master may make a PDO faster.
+#[test]
+fn a_poll_and_a_new_period_repeat_nothing() {
+    let repeated = |traffic: &mut Traffic| traffic.results().findings.iter().any(|found| found.rule.id == "bus/repeated");
+    let mut polled = machine();
+    for at in (15_000..15_200).step_by(2) {
+        polled.at(at, "604#4041600000000000").at(at + 1, "584#4B41600037020000");
+    }
+    assert!(!repeated(&mut polled));
+    let mut unanswered = machine();
+    unanswered.every(15_000, 15_200, 2, |_| "604#4041600000000000".to_owned());
+    assert!(repeated(&mut unanswered));
+    let mut faster = machine();
+    faster.every(START_OF_PDO, 15_000, 100, |_| "384#0102".to_owned());
+    faster.at(15_010, "604#2B01180502000000").at(15_011, "584#6001180500000000");
+    faster.every(15_020, 15_400, 2, |_| "384#0102".to_owned());
+    assert!(!repeated(&mut faster));
+}
+
 const START_OF_PDO: u64 = 2_001;
 
 #[test]

@@ -1,8 +1,10 @@
 use crate::findings::effect::Effect;
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
-use crate::findings::{Context, Seen};
+use crate::findings::{Context, Seen, Severity};
 use crate::message::{Message, Service};
+use crate::wire::lss::{MASTER_CAN_ID, SLAVE_CAN_ID};
+use crate::wire::sdo::Request;
 use canvass_macros::rule;
 use canvass_traces::Duration;
 
@@ -11,9 +13,10 @@ const EFFECTS: &[Effect] = &[Effect::on_the_rest().of_same_node().if_less_grave(
 
 /// a frame is repeated without pause
 ///
-/// The same frame comes again and again, with less than three milliseconds between two of them; SYNC ten times as often,
-/// because producers also catch up what they have missed. Messages that come
-/// regularly, such as PDOs and heartbeats, count only if they came with longer pauses before.
+/// The same frame comes again and again, with less than three milliseconds between two frames. SYNC must come ten times
+/// as often, because a producer sends late messages at once. Messages that come regularly, such as PDOs and heartbeats,
+/// count only if they came with longer pauses before, and if no command and no SDO download can have changed their period;
+/// the severity is then warning. A request that is answered each time is not repeated: a client may poll.
 ///
 /// # Why
 /// The frame takes the bus from all messages with higher CAN-IDs, and its receivers execute it each time.
@@ -52,6 +55,32 @@ const fn is_regular(service: Service) -> bool {
     matches!(service, Service::Sync | Service::Pdo | Service::Heartbeat | Service::Guarding | Service::Srdo)
 }
 
+/// The CAN-ID of the other side of a dialogue; `None` for messages without one.
+const fn other_side(can_id: u16) -> Option<u16> {
+    match can_id {
+        0x581..=0x5FF => Some(can_id + 0x80),
+        0x601..=0x67F => Some(can_id - 0x80),
+        MASTER_CAN_ID => Some(SLAVE_CAN_ID),
+        SLAVE_CAN_ID => Some(MASTER_CAN_ID),
+        _ => None,
+    }
+}
+
+/// Whether the other side of the dialogue has sent since the previous frame with the same CAN-ID.
+fn is_dialogue(can_id: u16, previous: &Seen, context: &Context<'_>) -> bool {
+    let other = other_side(can_id).and_then(|other| context.scene.latest.get(other));
+    other.is_some_and(|other| other.time() >= previous.time())
+}
+
+/// Whether the frame may change the period of other messages.
+fn changes_periods(context: &Context<'_>) -> bool {
+    let is_download = matches!(
+        context.message(),
+        Message::SdoRequest(Request::InitiateDownload { .. } | Request::InitiateBlockDownload { .. })
+    );
+    is_download || context.begins_anew()
+}
+
 impl Repeated {
     /// Number of longer pauses after which frames without pause are not the usual period of a regular message.
     const SELDOM: u8 = 5;
@@ -81,6 +110,7 @@ impl Repeated {
         let node = context.node().filter(|_| service != Service::Nmt);
         let begin = run.first.time();
         let report = Report::at(begin).until(context.now()).node(node).detail(run.can_id.into()).measure(run.count);
+        let report = if is_regular(service) { report.severity(Severity::Warning) } else { report };
         sink.report(report.evidence(run.first.evidence()).evidence(context.evidence()), || {
             let span = context.now().since(begin);
             format!("the same {service} {} times within {span}", run.count + 1)
@@ -93,6 +123,9 @@ impl Rule for Repeated {
         let (Some(previous), Some(can_id)) = (context.previous, context.record.frame.id().as_standard()) else {
             return;
         };
+        if changes_periods(context) {
+            self.slow.fill(0);
+        }
         let service = context.decoded.service;
         let is_regular = is_regular(service) && *context.message() != Message::GlobalFailSafe;
         if context.now().since(previous.time()) > self.pause {
@@ -101,7 +134,7 @@ impl Rule for Repeated {
             }
             return;
         }
-        if previous.record.frame != context.record.frame {
+        if previous.record.frame != context.record.frame || is_dialogue(can_id, previous, context) {
             return;
         }
         match self.run.as_deref_mut() {

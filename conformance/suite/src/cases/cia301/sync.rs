@@ -110,15 +110,19 @@ fn off(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// A device with a PDO of a synchronous transmission type, 0 to 240, has 1005h. The case reads the transmission types of
-/// the first four PDOs of each direction as delivered.
+/// A device with a valid PDO of a synchronous transmission type, 0 to 240, has 1005h. The case reads the transmission
+/// types of the first four PDOs of each direction as delivered. A PDO that is switched off proves nothing: its type may
+/// be 0 for want of a value.
 #[case(id = "301/sync/object", clause = "CiA 301 7.5.2.5", confidence = Cited, level = Must,
        needs = [], catches = [SyncObjectMissing])]
 fn object_exists(bench: &mut Bench<'_>) -> Judged {
     let mut synchronous = None;
     for pdo in (1..=4).flat_map(|number| [TPDO.numbered(number), RPDO.numbered(number)]) {
-        let transmission_type = pdo.parameter(2);
-        if synchronous.is_none() && bench.has(transmission_type)? && bench.read_number(transmission_type)? <= 240 {
+        let [cob_id, transmission_type] = [pdo.parameter(1), pdo.parameter(2)];
+        if synchronous.is_some() || !bench.has(cob_id)? || !bench.has(transmission_type)? {
+            continue;
+        }
+        if bench.pdo_cob_id(pdo)?.is_valid() && bench.read_number(transmission_type)? <= 240 {
             synchronous = Some(pdo);
         }
     }
