@@ -45,7 +45,8 @@ fn a_fast_pdo_is_not_repeated() {
 /// A client may read an object again as soon as it has the answer, and a master may make a PDO faster.
 #[test]
 fn a_poll_and_a_new_period_repeat_nothing() {
-    let repeated = |traffic: &mut Traffic| traffic.results().findings.iter().any(|found| found.rule.id == "bus/repeated");
+    let repeated =
+        |traffic: &mut Traffic| traffic.results().findings.iter().any(|found| found.rule.id == "bus/repeated");
     let mut polled = machine();
     for at in (15_000..15_200).step_by(2) {
         polled.at(at, "604#4041600000000000").at(at + 1, "584#4B41600037020000");

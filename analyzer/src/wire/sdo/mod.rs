@@ -7,6 +7,7 @@
 
 pub mod abort;
 pub mod block;
+mod layouts;
 pub mod request;
 pub mod response;
 
@@ -15,7 +16,7 @@ pub use block::{BlockSegment, crc16};
 pub use request::Request;
 pub use response::Response;
 
-use super::{Field, Malformed, named};
+use super::{Malformed, named};
 use crate::Multiplexer;
 use nom::{IResult, Parser, bytes::complete::take, number::complete::le_u32};
 
@@ -23,11 +24,6 @@ use nom::{IResult, Parser, bytes::complete::take, number::complete::le_u32};
 pub const REQUEST_BASE: u16 = 0x600;
 /// The CAN-ID from server to client of node 0; the node-ID is added.
 pub const RESPONSE_BASE: u16 = 0x580;
-
-const SPECIFIER: Field = Field::new("command specifier", 0, 5, 3);
-const TOGGLE: Field = Field::new("toggle bit", 0, 4, 1);
-const INDEX: Field = Field::new("index", 1, 0, 16);
-const SUB_INDEX: Field = Field::new("sub-index", 3, 0, 8);
 
 /// The content of an initiate message (`e` and `s` of its command byte).
 #[derive(Clone, Copy, PartialEq, Eq, Hash, Debug)]

@@ -1,10 +1,8 @@
 //! Messages of an SDO client.
 
-use super::{
-    Abort, INDEX, Payload, SPECIFIER, SUB_INDEX, Segment, TOGGLE, emit_initiate, emit_short, multiplexer, skip_reserved,
-};
+use super::{Abort, Payload, Segment, emit_initiate, emit_short, layouts, multiplexer, skip_reserved};
 use crate::Multiplexer;
-use crate::wire::{Field, Fields, Layout, Malformed, Wire, named, tail_of};
+use crate::wire::{Fields, Layout, Malformed, Wire, named, tail_of};
 use nom::{
     IResult, Parser,
     number::complete::{le_u16, le_u32, u8},
@@ -164,108 +162,16 @@ impl Wire for Request {
     }
 }
 
-const SUBCOMMAND: Field = Field::new("subcommand", 0, 0, 2);
-const CRC_SUPPORT: Field = Field::new("CRC support", 0, 2, 1);
-
-static DOWNLOAD_SEGMENT: Layout = Layout {
-    name: "download segment",
-    fields: &[
-        SPECIFIER,
-        TOGGLE,
-        Field::new("unused bytes", 0, 1, 3),
-        Field::new("no more segments", 0, 0, 1),
-        Field::new("data", 1, 0, 56),
-    ],
-};
-
-static INITIATE_DOWNLOAD: Layout = Layout {
-    name: "initiate download",
-    fields: &[
-        SPECIFIER,
-        Field::reserved(0, 4, 1),
-        Field::new("unused bytes", 0, 2, 2),
-        Field::new("expedited", 0, 1, 1),
-        Field::new("size indicator", 0, 0, 1),
-        INDEX,
-        SUB_INDEX,
-        Field::new("data", 4, 0, 32),
-    ],
-};
-
-static INITIATE_UPLOAD: Layout = Layout {
-    name: "initiate upload",
-    fields: &[SPECIFIER, Field::reserved(0, 0, 5), INDEX, SUB_INDEX, Field::reserved(4, 0, 32)],
-};
-
-static UPLOAD_SEGMENT: Layout = Layout {
-    name: "upload segment",
-    fields: &[SPECIFIER, TOGGLE, Field::reserved(0, 0, 4), Field::reserved(1, 0, 56)],
-};
-
-static ABORT: Layout = Layout {
-    name: "abort",
-    fields: &[SPECIFIER, Field::reserved(0, 0, 5), INDEX, SUB_INDEX, Field::new("abort code", 4, 0, 32)],
-};
-
-static INITIATE_BLOCK_UPLOAD: Layout = Layout {
-    name: "initiate block upload",
-    fields: &[
-        SPECIFIER,
-        Field::reserved(0, 3, 2),
-        CRC_SUPPORT,
-        SUBCOMMAND,
-        INDEX,
-        SUB_INDEX,
-        Field::new("block size", 4, 0, 8),
-        Field::new("protocol switch threshold", 5, 0, 8),
-        Field::reserved(6, 0, 16),
-    ],
-};
-
-const WITHOUT_PARAMETERS: &[Field] = &[SPECIFIER, Field::reserved(0, 2, 3), SUBCOMMAND, Field::reserved(1, 0, 56)];
-static END_BLOCK_UPLOAD: Layout = Layout { name: "end block upload", fields: WITHOUT_PARAMETERS };
-static START_BLOCK_UPLOAD: Layout = Layout { name: "start block upload", fields: WITHOUT_PARAMETERS };
-
-static CONFIRM_BLOCK_UPLOAD: Layout = Layout {
-    name: "confirm block upload",
-    fields: &[
-        SPECIFIER,
-        Field::reserved(0, 2, 3),
-        SUBCOMMAND,
-        Field::new("sequence number", 1, 0, 8),
-        Field::new("block size", 2, 0, 8),
-        Field::reserved(3, 0, 40),
-    ],
-};
-
-static INITIATE_BLOCK_DOWNLOAD: Layout = Layout {
-    name: "initiate block download",
-    fields: &[
-        SPECIFIER,
-        Field::reserved(0, 3, 2),
-        CRC_SUPPORT,
-        Field::new("size indicator", 0, 1, 1),
-        Field::new("subcommand", 0, 0, 1),
-        INDEX,
-        SUB_INDEX,
-        Field::new("size", 4, 0, 32),
-    ],
-};
-
-static END_BLOCK_DOWNLOAD: Layout = Layout {
-    name: "end block download",
-    fields: &[
-        SPECIFIER,
-        Field::new("unused bytes", 0, 2, 3),
-        Field::reserved(0, 1, 1),
-        Field::new("subcommand", 0, 0, 1),
-        Field::new("CRC", 1, 0, 16),
-        Field::reserved(3, 0, 40),
-    ],
-};
-
-static UNKNOWN: Layout =
-    Layout { name: "unknown", fields: &[Field::new("command", 0, 0, 8), Field::new("data", 1, 0, 56)] };
+static DOWNLOAD_SEGMENT: Layout = Layout { name: "download segment", fields: layouts::SEGMENT };
+static INITIATE_DOWNLOAD: Layout = Layout { name: "initiate download", fields: layouts::INITIATE };
+static INITIATE_UPLOAD: Layout = Layout { name: "initiate upload", fields: layouts::OBJECT_ONLY };
+static UPLOAD_SEGMENT: Layout = Layout { name: "upload segment", fields: layouts::TOGGLE_ONLY };
+static INITIATE_BLOCK_UPLOAD: Layout = Layout { name: "initiate block upload", fields: layouts::BLOCK_REQUESTED };
+static END_BLOCK_UPLOAD: Layout = Layout { name: "end block upload", fields: layouts::BLOCK_COMMAND };
+static START_BLOCK_UPLOAD: Layout = Layout { name: "start block upload", fields: layouts::BLOCK_COMMAND };
+static CONFIRM_BLOCK_UPLOAD: Layout = Layout { name: "confirm block upload", fields: layouts::BLOCK_CONFIRMED };
+static INITIATE_BLOCK_DOWNLOAD: Layout = Layout { name: "initiate block download", fields: layouts::BLOCK_SIZE_STATED };
+static END_BLOCK_DOWNLOAD: Layout = Layout { name: "end block download", fields: layouts::BLOCK_ENDED };
 
 impl Fields for Request {
     const LAYOUTS: &'static [&'static Layout] = &[
@@ -273,14 +179,14 @@ impl Fields for Request {
         &INITIATE_DOWNLOAD,
         &INITIATE_UPLOAD,
         &UPLOAD_SEGMENT,
-        &ABORT,
+        &layouts::ABORT,
         &INITIATE_BLOCK_UPLOAD,
         &END_BLOCK_UPLOAD,
         &CONFIRM_BLOCK_UPLOAD,
         &START_BLOCK_UPLOAD,
         &INITIATE_BLOCK_DOWNLOAD,
         &END_BLOCK_DOWNLOAD,
-        &UNKNOWN,
+        &layouts::UNKNOWN,
     ];
 
     fn layout(&self) -> &'static Layout {
@@ -289,14 +195,14 @@ impl Fields for Request {
             Self::InitiateDownload { .. } => &INITIATE_DOWNLOAD,
             Self::InitiateUpload { .. } => &INITIATE_UPLOAD,
             Self::UploadSegment { .. } => &UPLOAD_SEGMENT,
-            Self::Abort(_) => &ABORT,
+            Self::Abort(_) => &layouts::ABORT,
             Self::InitiateBlockUpload { .. } => &INITIATE_BLOCK_UPLOAD,
             Self::EndBlockUpload => &END_BLOCK_UPLOAD,
             Self::ConfirmBlockUpload { .. } => &CONFIRM_BLOCK_UPLOAD,
             Self::StartBlockUpload => &START_BLOCK_UPLOAD,
             Self::InitiateBlockDownload { .. } => &INITIATE_BLOCK_DOWNLOAD,
             Self::EndBlockDownload { .. } => &END_BLOCK_DOWNLOAD,
-            Self::Unknown { .. } => &UNKNOWN,
+            Self::Unknown { .. } => &layouts::UNKNOWN,
         }
     }
 }
@@ -466,7 +372,7 @@ mod tests {
     }
 
     /// Whether the field has no meaning in this request: bytes that hold no data, and a size that is not indicated.
-    fn carries_nothing(request: &Request, field: Field) -> bool {
+    fn carries_nothing(request: &Request, field: crate::wire::Field) -> bool {
         match request {
             Request::DownloadSegment(segment) => field.name == "data" && segment.data().len() < 7,
             Request::InitiateDownload { payload: Payload::Expedited(value), .. } => {

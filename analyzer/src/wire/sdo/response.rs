@@ -1,10 +1,8 @@
 //! Messages of an SDO server.
 
-use super::{
-    Abort, INDEX, Payload, SPECIFIER, SUB_INDEX, Segment, TOGGLE, emit_initiate, emit_short, multiplexer, skip_reserved,
-};
+use super::{Abort, Payload, Segment, emit_initiate, emit_short, layouts, multiplexer, skip_reserved};
 use crate::Multiplexer;
-use crate::wire::{Field, Fields, Layout, Malformed, Wire, named, tail_of};
+use crate::wire::{Fields, Layout, Malformed, Wire, named, tail_of};
 use nom::{
     IResult, Parser,
     number::complete::{le_u16, le_u32, u8},
@@ -154,108 +152,15 @@ impl Wire for Response {
     }
 }
 
-const SUBCOMMAND: Field = Field::new("subcommand", 0, 0, 2);
-const CRC_SUPPORT: Field = Field::new("CRC support", 0, 2, 1);
-
-static UPLOAD_SEGMENT: Layout = Layout {
-    name: "upload segment",
-    fields: &[
-        SPECIFIER,
-        TOGGLE,
-        Field::new("unused bytes", 0, 1, 3),
-        Field::new("no more segments", 0, 0, 1),
-        Field::new("data", 1, 0, 56),
-    ],
-};
-
-static DOWNLOAD_SEGMENT: Layout = Layout {
-    name: "download segment",
-    fields: &[SPECIFIER, TOGGLE, Field::reserved(0, 0, 4), Field::reserved(1, 0, 56)],
-};
-
-static INITIATE_UPLOAD: Layout = Layout {
-    name: "initiate upload",
-    fields: &[
-        SPECIFIER,
-        Field::reserved(0, 4, 1),
-        Field::new("unused bytes", 0, 2, 2),
-        Field::new("expedited", 0, 1, 1),
-        Field::new("size indicator", 0, 0, 1),
-        INDEX,
-        SUB_INDEX,
-        Field::new("data", 4, 0, 32),
-    ],
-};
-
-static INITIATE_DOWNLOAD: Layout = Layout {
-    name: "initiate download",
-    fields: &[SPECIFIER, Field::reserved(0, 0, 5), INDEX, SUB_INDEX, Field::reserved(4, 0, 32)],
-};
-
-static ABORT: Layout = Layout {
-    name: "abort",
-    fields: &[SPECIFIER, Field::reserved(0, 0, 5), INDEX, SUB_INDEX, Field::new("abort code", 4, 0, 32)],
-};
-
-static INITIATE_BLOCK_DOWNLOAD: Layout = Layout {
-    name: "initiate block download",
-    fields: &[
-        SPECIFIER,
-        Field::reserved(0, 3, 2),
-        CRC_SUPPORT,
-        SUBCOMMAND,
-        INDEX,
-        SUB_INDEX,
-        Field::new("block size", 4, 0, 8),
-        Field::reserved(5, 0, 24),
-    ],
-};
-
-static CONFIRM_BLOCK_DOWNLOAD: Layout = Layout {
-    name: "confirm block download",
-    fields: &[
-        SPECIFIER,
-        Field::reserved(0, 2, 3),
-        SUBCOMMAND,
-        Field::new("sequence number", 1, 0, 8),
-        Field::new("block size", 2, 0, 8),
-        Field::reserved(3, 0, 40),
-    ],
-};
-
-static END_BLOCK_DOWNLOAD: Layout = Layout {
-    name: "end block download",
-    fields: &[SPECIFIER, Field::reserved(0, 2, 3), SUBCOMMAND, Field::reserved(1, 0, 56)],
-};
-
-static INITIATE_BLOCK_UPLOAD: Layout = Layout {
-    name: "initiate block upload",
-    fields: &[
-        SPECIFIER,
-        Field::reserved(0, 3, 2),
-        CRC_SUPPORT,
-        Field::new("size indicator", 0, 1, 1),
-        Field::new("subcommand", 0, 0, 1),
-        INDEX,
-        SUB_INDEX,
-        Field::new("size", 4, 0, 32),
-    ],
-};
-
-static END_BLOCK_UPLOAD: Layout = Layout {
-    name: "end block upload",
-    fields: &[
-        SPECIFIER,
-        Field::new("unused bytes", 0, 2, 3),
-        Field::reserved(0, 1, 1),
-        Field::new("subcommand", 0, 0, 1),
-        Field::new("CRC", 1, 0, 16),
-        Field::reserved(3, 0, 40),
-    ],
-};
-
-static UNKNOWN: Layout =
-    Layout { name: "unknown", fields: &[Field::new("command", 0, 0, 8), Field::new("data", 1, 0, 56)] };
+static UPLOAD_SEGMENT: Layout = Layout { name: "upload segment", fields: layouts::SEGMENT };
+static DOWNLOAD_SEGMENT: Layout = Layout { name: "download segment", fields: layouts::TOGGLE_ONLY };
+static INITIATE_UPLOAD: Layout = Layout { name: "initiate upload", fields: layouts::INITIATE };
+static INITIATE_DOWNLOAD: Layout = Layout { name: "initiate download", fields: layouts::OBJECT_ONLY };
+static INITIATE_BLOCK_DOWNLOAD: Layout = Layout { name: "initiate block download", fields: layouts::BLOCK_ACCEPTED };
+static CONFIRM_BLOCK_DOWNLOAD: Layout = Layout { name: "confirm block download", fields: layouts::BLOCK_CONFIRMED };
+static END_BLOCK_DOWNLOAD: Layout = Layout { name: "end block download", fields: layouts::BLOCK_COMMAND };
+static INITIATE_BLOCK_UPLOAD: Layout = Layout { name: "initiate block upload", fields: layouts::BLOCK_SIZE_STATED };
+static END_BLOCK_UPLOAD: Layout = Layout { name: "end block upload", fields: layouts::BLOCK_ENDED };
 
 impl Fields for Response {
     const LAYOUTS: &'static [&'static Layout] = &[
@@ -263,13 +168,13 @@ impl Fields for Response {
         &DOWNLOAD_SEGMENT,
         &INITIATE_UPLOAD,
         &INITIATE_DOWNLOAD,
-        &ABORT,
+        &layouts::ABORT,
         &INITIATE_BLOCK_DOWNLOAD,
         &CONFIRM_BLOCK_DOWNLOAD,
         &END_BLOCK_DOWNLOAD,
         &INITIATE_BLOCK_UPLOAD,
         &END_BLOCK_UPLOAD,
-        &UNKNOWN,
+        &layouts::UNKNOWN,
     ];
 
     fn layout(&self) -> &'static Layout {
@@ -278,13 +183,13 @@ impl Fields for Response {
             Self::DownloadSegment { .. } => &DOWNLOAD_SEGMENT,
             Self::InitiateUpload { .. } => &INITIATE_UPLOAD,
             Self::InitiateDownload { .. } => &INITIATE_DOWNLOAD,
-            Self::Abort(_) => &ABORT,
+            Self::Abort(_) => &layouts::ABORT,
             Self::InitiateBlockDownload { .. } => &INITIATE_BLOCK_DOWNLOAD,
             Self::ConfirmBlockDownload { .. } => &CONFIRM_BLOCK_DOWNLOAD,
             Self::EndBlockDownload => &END_BLOCK_DOWNLOAD,
             Self::InitiateBlockUpload { .. } => &INITIATE_BLOCK_UPLOAD,
             Self::EndBlockUpload { .. } => &END_BLOCK_UPLOAD,
-            Self::Unknown { .. } => &UNKNOWN,
+            Self::Unknown { .. } => &layouts::UNKNOWN,
         }
     }
 }
@@ -418,7 +323,7 @@ mod tests {
     }
 
     /// Whether the field has no meaning in this response: bytes that hold no data, and a size that is not indicated.
-    fn carries_nothing(response: &Response, field: Field) -> bool {
+    fn carries_nothing(response: &Response, field: crate::wire::Field) -> bool {
         match response {
             Response::UploadSegment(segment) => field.name == "data" && segment.data().len() < 7,
             Response::InitiateUpload { payload: Payload::Expedited(value), .. } => {
