@@ -164,10 +164,10 @@ fn pdos_off() {
     let off = tested(Liberty::PdosInvalid, &["301"], ALL);
     plain.spared();
     off.spared();
-    // Three cases need PDOs that are valid as delivered; one has no second kind of error without an RPDO.
+    // Four cases need PDOs that are valid as delivered; one has no second kind of error without an RPDO.
     let mut missing = plain.ending(&[Kind::NotApplicable]);
     missing.extend(["301/error-history/all", "301/pdo/cob-id/every-valid", "301/pdo/mapping/every-valid"]);
-    missing.insert("301/tpdo/synchronous-as-delivered");
+    missing.extend(["301/sync/object", "301/tpdo/synchronous-as-delivered"]);
     assert_eq!(off.ending(&[Kind::NotApplicable]), missing);
     // The device has no objects from 2000h on, and its PDOs map nothing: the error register serves.
     let empty = tested(Liberty::NoApplicationObjects, &["301"], ALL);
