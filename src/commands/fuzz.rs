@@ -191,7 +191,7 @@ impl Args {
         }
     }
 
-    /// The latest time at which shortening ends: the time limit of the run and, on a simulated bus, 3 s more, as each
+    /// The latest time at which shortening ends: the time limit of the run and, on a simulated bus, 1 s more, as each
     /// try costs almost no time there.
     fn ends(&self, span: Option<Duration>, simulated: bool) -> Option<Instant> {
         let more = if simulated { Duration::from_secs(1) } else { Duration::ZERO };
