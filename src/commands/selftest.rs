@@ -16,6 +16,10 @@ use canvass_suite::catalogue::{Selector, select};
 use canvass_suite::selftest::{self, Chance, Extent};
 use canvass_traces::Duration;
 
+/// Number of exchanges within which the fuzzer has to find each fault: how many it takes does not depend on the speed of
+/// this computer.
+const MOST_EXCHANGES: u64 = 1_000_000;
+
 /// Test the tester: run the cases against firmware with known faults
 ///
 /// The selftest puts every fault into the firmware of a simulated device, and runs every case against it. A fault is
@@ -57,9 +61,9 @@ pub struct Args {
     /// With --fuzz: number of seeds
     #[arg(long, value_name = "N", default_value_t = 5, requires = "fuzz")]
     seeds: u64,
-    /// With --fuzz: time limit of each seed for finding a fault
-    #[arg(long = "within", value_name = "SPAN", default_value = "10s", value_parser = parse_span, requires = "fuzz")]
-    within: Duration,
+    /// With --fuzz: time limit of each seed for finding a fault (default: a million exchanges in place of a time)
+    #[arg(long = "within", value_name = "SPAN", value_parser = parse_span, requires = "fuzz")]
+    within: Option<Duration>,
     /// How to print the matrix
     #[arg(long, value_enum, default_value_t)]
     format: MatrixFormat,
@@ -168,13 +172,17 @@ impl Args {
     fn fuzz(self) -> Result<Status, Failure> {
         let claimed = || Fault::ALL.iter().copied().filter(|fault| fault.unfuzzed().is_none()).collect();
         let faults: Vec<Fault> = if self.fault.is_empty() { claimed() } else { self.fault };
-        let limit = std::time::Duration::from_nanos(self.within.nanos());
+        let time = |within: Duration| std::time::Duration::from_nanos(within.nanos());
+        let limit = match self.within {
+            Some(within) => Limit { exchanges: u64::MAX, time: time(within) },
+            None => Limit::of_exchanges(MOST_EXCHANGES),
+        };
         let mut rows = Vec::with_capacity(faults.len());
         for fault in faults {
-            let trials = (1..=self.seeds).map(|seed| detect(fault, seed, Limit { exchanges: u64::MAX, time: limit }));
+            let trials = (1..=self.seeds).map(|seed| detect(fault, seed, limit));
             rows.push(FuzzedFault { fault, trials: trials.collect::<Result<_, _>>().map_err(Failure::unreachable)? });
         }
-        let table = Table { rows, limit };
+        let table = Table { rows, limit: limit.time };
         match self.format {
             MatrixFormat::Table => print(&Printable::document(&detection::text(&table)))?,
             MatrixFormat::Json => unless_closed(detection::json(&table, &mut document(false)))?,

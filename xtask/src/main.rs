@@ -65,7 +65,7 @@ use anyhow::{Result, bail};
 
 const USAGE: &str = "usage: cargo xtask [--install] COMMAND
     test | ci | nightly | docs
-    peers | browser | fleet | vcan [WORDS...] | vcan-load
+    peers | browser | fleet [--check] | vcan [WORDS...] | vcan-load
     fuzz [--for SECONDS] | attack [--for SPAN] [--seed N] | storm
     alone [--count N] [--seed N]
     as-found [--all] [--seed N] [--model ID]
@@ -100,7 +100,7 @@ fn main() -> Result<()> {
         Some("as-found") => as_found::as_found(more),
         Some("attack") => attack::attack(more),
         Some("flaky") => flaky::flaky(more),
-        Some("fleet") => fleet::test(),
+        Some("fleet") => fleet::command(more),
         Some("fuzz") => fuzz::command(more),
         Some("memory") => memory::memory(),
         Some("incidents") => incidents::incidents(more),

@@ -36,9 +36,16 @@ const FOR_TESTS: Duration = Duration::from_secs(1_800);
 const FOR_RUNS: Duration = Duration::from_secs(4 * 3_600);
 
 /// The tests that CI leaves to the night, the longest ones. The verdicts of these models show nothing of SocketCAN that
-/// the other two models do not show, and tests on the simulated bus kill runs at many more moments.
-const AT_NIGHT: [&str; 10] = [
+/// the other two models do not show. Tests on the simulated bus kill runs at many more moments, and run the suite and the
+/// fuzzer on the same traits.
+const AT_NIGHT: [&str; 16] = [
     "killed::the_journal_of_a_killed_run_puts_the_device_back",
+    "traits::keeps_ram_over_reset",
+    "traits::loses_its_node_id",
+    "traits::pdos_off",
+    "traits::refuses_while_valid",
+    "traits::restarts_in_5_s",
+    "verdicts::dirty_padding_changes_no_verdict",
     "verdicts::kuebler_c100",
     "verdicts::kuebler_d125",
     "verdicts::kuebler_sendix_58x8",

@@ -20,6 +20,13 @@ pub struct Limit {
     pub time: Duration,
 }
 
+impl Limit {
+    /// A limit that does not depend on the speed of this computer.
+    pub const fn of_exchanges(exchanges: u64) -> Self {
+        Self { exchanges, time: Duration::MAX }
+    }
+}
+
 /// One run on a device with a fault.
 #[derive(Clone, Debug)]
 pub struct Trial {

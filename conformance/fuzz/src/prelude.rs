@@ -17,7 +17,7 @@ const BLOCK_SIZE: u8 = 127;
 /// Shortest time for a reset.
 const LEAST_BOOT: Duration = Duration::from_millis(500);
 
-/// An expedited, a segmented and a block upload, and a reset. `boot`: the usual duration of a reset.
+/// An expedited, a segmented and a block upload, and a reset. `boot`: time for the reset, at least [`LEAST_BOOT`].
 pub(super) fn prelude(node: NodeId, boot: Duration) -> Vec<Stimulus> {
     let name = Multiplexer::new(object::MANUFACTURER_DEVICE_NAME, 0);
     let abort = Request::abort(name, AbortCode::GENERAL);
@@ -33,6 +33,6 @@ pub(super) fn prelude(node: NodeId, boot: Duration) -> Vec<Stimulus> {
     let server = REQUEST_BASE + u16::from(node.raw());
     let requests = requests.map(|request| Stimulus::settle(request.to_frame(server)));
     let reset = Nmt { command: Command::RESET_NODE, node: node.raw() }.to_frame(nmt::CAN_ID);
-    let boot = Stimulus { frame: reset, then: Then::Pause(LEAST_BOOT.max(boot.times(2))) };
+    let boot = Stimulus { frame: reset, then: Then::Pause(LEAST_BOOT.max(boot)) };
     requests.into_iter().chain([boot]).collect()
 }

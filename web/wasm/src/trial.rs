@@ -169,6 +169,8 @@ fn options_of_fuzz(wish: &Wish, plan: &FuzzPlan, knowledge: &Knowledge, model: &
         allowed(wish),
         given("replay", []),
         given("regressions", []),
+        given("corpus-dir", []),
+        flag("unconfirmed", false),
         given("reproducers", []),
         usual("reconnect-timeout", ["2min"]),
     ]

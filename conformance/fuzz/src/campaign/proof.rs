@@ -6,6 +6,7 @@
 
 use super::violations::is_same;
 use super::{Campaign, Found, Repetition, Replay};
+use crate::Knowledge;
 use crate::execute::{Ended, Pace};
 use crate::prelude::prelude;
 use crate::stand::TestStand;
@@ -34,10 +35,20 @@ impl Campaign<'_> {
         if stand.is_repeatable() || self.plan.time.is_over() {
             return Ok(());
         }
-        let stimuli = prelude(self.executor.knowledge().node, stand.restart_time());
+        self.is_prelude_clean = false;
+        let stimuli = self.prelude(stand);
         let ended = self.executor.run(stand, &Sequence { stimuli, ..Sequence::default() }, Pace::Careful, false)?;
         self.is_prelude_clean = matches!(ended, Ended::Well);
         Ok(())
+    }
+
+    /// The frames before each repetition. A device that violated something in them when the run began gets the full time
+    /// for its boot-up message: if this message is missing, that shows before the sequence.
+    fn prelude(&self, stand: &dyn TestStand) -> Vec<Stimulus> {
+        let Knowledge { node, patience, .. } = *self.executor.knowledge();
+        let usual = stand.restart_time().times(2);
+        let boot = if self.is_prelude_clean { usual } else { usual.max(patience.boot + SETTLE) };
+        prelude(node, boot)
     }
 
     /// Repeats a violation until it is confirmed, or does not come back.
@@ -45,7 +56,7 @@ impl Campaign<'_> {
         let is_live = !stand.is_repeatable();
         let bare = Found { prelude: Vec::new(), repetitions: Vec::new(), is_live, ..found };
         if is_live {
-            let prelude = prelude(self.executor.knowledge().node, stand.restart_time());
+            let prelude = self.prelude(stand);
             let proof = self.prove_from(stand, Found { prelude, ..bare.clone() })?;
             // A device that violates something in the frames before the sequence, and did not do so when the run began, has
             // been brought there by what came before: nothing is certain about its start.

@@ -446,3 +446,13 @@ fn little_time_goes_into_silence() {
         assert!(silence.nanos() * 20 < outcome.spent.total().nanos(), "{}", outcome.spent);
     }
 }
+
+/// A device without boot-up message violates the standard already in the frames before each repetition. The finding is
+/// confirmed all the same, by repetitions without these frames.
+#[test]
+fn a_boot_up_message_that_is_missing_is_confirmed() {
+    let outcome = with(Fault::BootUpMissing, Target::All, 60);
+    let missing = outcome.violations.iter().find(|found| found.violation.rule == "boot-up after reset");
+    let found = missing.unwrap_or_else(|| panic!("{:#?}", told(&outcome)));
+    assert!(found.confirmed && found.sequence.stimuli.len() == 1, "{:#?}", told(&outcome));
+}
