@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """Makes the binary sample captures and, beside each, what another program reads in it (`*.frames`).
 
-Written by text2pcap, editcap and mergecap (Wireshark), python-can, and the Python packages mcap and rosbags;
+Written by text2pcap, editcap and mergecap (Wireshark), python-can, and the Python packages mcap, rosbags and asammdf;
 read back by tshark and python-can. Nothing here is written or read by canvass.
 
-    pip install python-can mcap rosbags zstandard lz4
+    pip install python-can mcap rosbags zstandard lz4 asammdf
     ./generate_binary.py
 """
 import base64, json, struct, subprocess, sys
@@ -386,14 +386,34 @@ def make_mcap():
     make_protobuf("protobuf.mcap")
 
 
+def message(f):
+    import can
+    return can.Message(timestamp=f.t / 1e9, channel=f.bus, arbitration_id=f.id & 0x1FFF_FFFF,
+                       is_extended_id=bool(f.id & EXT), is_remote_frame=bool(f.id & RTR),
+                       is_error_frame=bool(f.id & ERR), is_fd=f.fd is not None, bitrate_switch=bool((f.fd or 0) & 1),
+                       error_state_indicator=bool((f.fd or 0) & 2), dlc=f.dlc, data=f.data, is_rx=f.bus == 0)
+
+
+def make_mf4():
+    """Plain, deflated, and transposed records. python-can writes a group for data, remote and error frames each."""
+    import can
+    for name, level in [("python-can-plain.mf4", 0), ("python-can-deflated.mf4", 1), ("python-can.mf4", 2)]:
+        with can.MF4Writer(str(HERE / name), compression_level=level) as writer:
+            for f in TRAFFIC:
+                writer.on_message_received(message(f))
+        lines = []
+        for m in sorted(can.MF4Reader(str(HERE / name)), key=lambda m: m.timestamp):
+            can_id = 0x80 | ERR if m.is_error_frame else m.arbitration_id | (EXT if m.is_extended_id else 0) | \
+                (RTR if m.is_remote_frame else 0)
+            fd = m.bitrate_switch | m.error_state_indicator << 1 if m.is_fd else None
+            data = b"" if m.is_error_frame else bytes(m.data)
+            way = "Rx" if m.is_rx else "Tx"
+            lines.append(show(round(m.timestamp * 1e9), str(m.channel), can_id, data, fd, m.dlc, way))
+        expect(name, lines)
+
+
 def make_blf():
     import can
-
-    def message(f):
-        return can.Message(timestamp=f.t / 1e9, channel=f.bus, arbitration_id=f.id & 0x1FFF_FFFF,
-                           is_extended_id=bool(f.id & EXT), is_remote_frame=bool(f.id & RTR),
-                           is_error_frame=bool(f.id & ERR), is_fd=f.fd is not None, bitrate_switch=bool((f.fd or 0) & 1),
-                           error_state_indicator=bool((f.fd or 0) & 2), dlc=f.dlc, data=f.data, is_rx=f.bus == 0)
 
     for name, options in [("python-can.blf", {}), ("python-can-plain.blf", {"compression_level": 0}),
                           ("python-can-small-containers.blf", {"max_container_size": 100})]:
@@ -414,7 +434,8 @@ def make_blf():
         expect(name, lines)
 
 
-PARTS = {"pcap": make_pcap, "unclean": make_unclean, "pcapng": make_pcapng, "mcap": make_mcap, "blf": make_blf}
+PARTS = {"pcap": make_pcap, "unclean": make_unclean, "pcapng": make_pcapng, "mcap": make_mcap, "blf": make_blf,
+         "mf4": make_mf4}
 
 if __name__ == "__main__":
     for part in sys.argv[1:] or PARTS:

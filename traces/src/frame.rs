@@ -99,6 +99,8 @@ impl ErrorClass {
 }
 
 impl Frame {
+    /// SocketCAN's flag of error frames in an identifier (`CAN_ERR_FLAG`).
+    pub(crate) const ERROR_FLAG: u32 = 0x2000_0000;
     /// Maximum number of payload bytes inside a frame.
     pub(crate) const INLINE: usize = 16;
     /// The lengths that a CAN FD frame can have, by DLC.
@@ -263,6 +265,15 @@ impl Frame {
     /// Whether the frame is an error frame.
     pub const fn is_error(&self) -> bool {
         matches!(self.kind, FrameKind::Error)
+    }
+
+    /// The number that SocketCAN's tools print for the identifier. An error frame has the bits of its class, with the flag
+    /// of error frames (`CAN_ERR_FLAG`).
+    pub const fn printed_id(&self) -> u32 {
+        match self.error_class() {
+            Some(class) => Self::ERROR_FLAG | class.0,
+            None => self.id.raw(),
+        }
     }
 
     /// The class bits of an error frame.

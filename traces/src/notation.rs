@@ -24,7 +24,7 @@ use crate::{CanId, ChannelId, ErrorClass, Flags, Frame, Record, Timestamp, XlHea
 use std::fmt::{self, Write};
 
 /// Bit 29 of an eight-digit id: the frame is an error frame.
-const ERROR: u32 = 0x2000_0000;
+const ERROR: u32 = Frame::ERROR_FLAG;
 const XL_FLAG: u8 = 0x80;
 const XL_SEC: u8 = 0x01;
 const XL_RRS: u8 = 0x02;
@@ -268,9 +268,9 @@ pub(crate) fn write_frame(out: &mut impl Write, frame: &Frame, xl: Option<XlHead
         write!(out, "{:02X}{:03X}#{flags:02X}:{:02X}:{:08X}#", xl.vcid, frame.id().raw(), xl.sdt, xl.af)?;
         return write_bytes(out, data);
     }
-    match frame.error_class() {
-        Some(class) => write!(out, "{:08X}#", ERROR | class.0)?,
-        None => write!(out, "{}#", frame.id())?,
+    match frame.is_error() {
+        true => write!(out, "{:08X}#", frame.printed_id())?,
+        false => write!(out, "{}#", frame.id())?,
     }
     if frame.is_remote() {
         out.write_char('R')?;

@@ -86,7 +86,7 @@ impl TableLines {
         let digits = if id.is_extended() { 8 } else { 3 };
         self.id_width = self.id_width.max(digits);
         out.resize(out.len() + self.id_width - digits, b' ');
-        push_hex_number(out, id.raw(), digits);
+        push_hex_number(out, record.frame.printed_id(), digits);
     }
 
     /// Appends the meaning, cut to its column.

@@ -48,7 +48,7 @@ impl TextLines {
         let digits = if id.is_extended() { 8 } else { 3 };
         self.id_width = self.id_width.max(digits);
         pad(out, out.len(), self.id_width - digits);
-        push_hex_number(out, id.raw(), digits);
+        push_hex_number(out, record.frame.printed_id(), digits);
     }
 
     /// Appends identifier, data and node of any frame with the blanks around them.

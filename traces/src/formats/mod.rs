@@ -9,6 +9,7 @@ pub(crate) mod candump_log;
 mod candump_usual;
 pub(crate) mod crtd;
 pub(crate) mod mcap;
+pub(crate) mod mf4;
 pub(crate) mod minimon;
 pub(crate) mod pasted;
 pub(crate) mod pcap;
@@ -89,6 +90,15 @@ const FORMATS: &[FormatEntry] = &[
         extensions: &["blf"],
         sniff: blf::sniff,
         open: blf::open,
+        writing: None,
+    },
+    FormatEntry {
+        format: Format::Mf4,
+        id: "mf4",
+        summary: "ASAM MDF 4 with bus logging of CAN",
+        extensions: &["mf4"],
+        sniff: mf4::sniff,
+        open: mf4::open,
         writing: None,
     },
     FormatEntry {

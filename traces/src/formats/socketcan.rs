@@ -39,7 +39,7 @@ use nom::{IResult, Parser};
 const NATIVE: Endianness = if cfg!(target_endian = "big") { Endianness::Big } else { Endianness::Little };
 const EXTENDED: u32 = 0x8000_0000;
 const REMOTE: u32 = 0x4000_0000;
-const ERROR: u32 = 0x2000_0000;
+const ERROR: u32 = Frame::ERROR_FLAG;
 /// Bytes before the payload of a classical or CAN FD frame.
 const HEADER: usize = 8;
 const CLASSICAL_SIZE: usize = HEADER + 8;
@@ -298,8 +298,8 @@ pub(crate) fn encode(record: &Record, packet: &mut Vec<u8>) {
 
 /// The identifier with its flags, as SocketCAN has it.
 fn number(frame: &Frame) -> u32 {
-    if let Some(class) = frame.error_class() {
-        return class.0 | ERROR;
+    if frame.is_error() {
+        return frame.printed_id();
     }
     let extended = if frame.id().is_extended() { EXTENDED } else { 0 };
     let remote = if frame.is_remote() { REMOTE } else { 0 };

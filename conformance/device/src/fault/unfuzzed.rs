@@ -40,7 +40,7 @@ pub enum Unfuzzed {
     ProfileLimits,
     /// occurs at the moment of a reset, when frames may still be queued
     MomentOfReset,
-    /// shows before the causing write is confirmed, when the new heartbeat time may or may not be in effect
+    /// shows before the write that causes it is confirmed: until then the oracle does not know the heartbeat time
     BeforeConfirmation,
     /// concerns the detection of a lost node or master: the oracle follows the EMCY messages of a device, but does
     /// not demand them

@@ -46,7 +46,7 @@ pub enum RunError {
     WouldHarm {
         /// The node-ID.
         node: NodeId,
-        /// The loss.
+        /// The value that would be lost.
         harm: Harm,
     },
     /// Others use the device, and the user has not allowed testing it meanwhile.

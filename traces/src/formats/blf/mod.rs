@@ -24,4 +24,5 @@ mod container;
 mod object;
 mod reader;
 
+pub(in crate::formats) use object::{bus_error, classical, fd};
 pub(crate) use reader::{open, sniff};

@@ -178,15 +178,15 @@ const fn direction(tx: bool) -> Direction {
 }
 
 /// A classical frame. A data length code above 8 means eight bytes.
-fn classical(id: u32, remote: bool, dlc: u8, data: &[u8]) -> Result<Frame, Flaw> {
+pub(in crate::formats) fn classical(id: CanId, remote: bool, dlc: u8, data: &[u8]) -> Result<Frame, Flaw> {
     if dlc > 15 {
         return Err(Flaw::malformed("a data length code of at most 15", dlc.to_string()));
     }
     let length = dlc.min(8);
     let frame = if remote {
-        Frame::remote(can_id(id), length)
+        Frame::remote(id, length)
     } else {
-        data.get(..usize::from(length)).and_then(|data| Frame::new(can_id(id), data))
+        data.get(..usize::from(length)).and_then(|data| Frame::new(id, data))
     };
     let frame = frame.ok_or_else(|| Flaw::malformed(format!("{length} bytes of data"), format!("{}", data.len())))?;
     Ok(frame.with_raw_dlc(dlc))
@@ -196,13 +196,14 @@ fn classical(id: u32, remote: bool, dlc: u8, data: &[u8]) -> Result<Frame, Flaw>
 fn message(i: &[u8]) -> IResult<&[u8], Result<Seen<'_>, Flaw>> {
     (le_u16, u8, u8, le_u32, take(8usize))
         .map(|(channel, flags, dlc, id, data)| {
-            let frame = classical(id, flags & REMOTE != 0, dlc, data)?;
+            let frame = classical(can_id(id), flags & REMOTE != 0, dlc, data)?;
             Ok((Raw::Frame(frame), channel, direction(flags & TX != 0)))
         })
         .parse(i)
 }
 
-fn bus_error() -> Frame {
+/// An error frame without details.
+pub(in crate::formats) fn bus_error() -> Frame {
     error_frame(BUS_ERROR, &[])
 }
 
@@ -248,14 +249,15 @@ fn fd_message(i: &[u8]) -> IResult<&[u8], Result<Seen<'_>, Flaw>> {
     let (i, (_, data)) = (take(5usize), take(64usize)).parse(i)?;
     let direction = direction(flags & TX != 0);
     if fd_flags & EDL == 0 {
-        let frame = classical(id, flags & REMOTE != 0, dlc, data);
+        let frame = classical(can_id(id), flags & REMOTE != 0, dlc, data);
         return Ok((i, frame.map(|frame| (Raw::Frame(frame), channel, direction))));
     }
     let flags = fd(fd_flags & BRS != 0, fd_flags & ESI != 0);
     Ok((i, fd_data(data, valid).map(|data| (Raw::Fd { id: can_id(id), flags, data }, channel, direction))))
 }
 
-fn fd(brs: bool, esi: bool) -> Flags {
+/// The flags of a CAN FD frame.
+pub(in crate::formats) fn fd(brs: bool, esi: bool) -> Flags {
     let brs = if brs { Flags::BRS } else { Flags::NONE };
     if esi { brs.with(Flags::ESI) } else { brs }
 }
@@ -290,7 +292,7 @@ fn fd_message_64(header: BaseHeader, body: &[u8]) -> IResult<&[u8], Result<Seen<
     let (channel, direction) = (u16::from(channel), direction(way != 0));
     if flags & EDL_64 == 0 {
         let stored = fd_data(data, valid.min(8));
-        let frame = stored.and_then(|data| classical(id, flags & REMOTE_64 != 0, dlc, &data));
+        let frame = stored.and_then(|data| classical(can_id(id), flags & REMOTE_64 != 0, dlc, &data));
         return Ok((&[], frame.map(|frame| (Raw::Frame(frame), channel, direction))));
     }
     let flags = fd(flags & BRS_64 != 0, flags & ESI_64 != 0);

@@ -39,7 +39,7 @@ pub(super) enum DataForm {
     Decimal,
 }
 
-/// What follows the data, apart from a remark.
+/// The column after the data. A remark is no column.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub(super) enum Behind {
     Nothing,

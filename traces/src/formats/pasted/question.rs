@@ -1,4 +1,4 @@
-//! What is asked where lines fit two readings.
+//! Questions about lines that can be read in two ways.
 
 use super::layout::{DataForm, Layout, Role};
 use std::fmt;

@@ -6,7 +6,7 @@ use crate::lines::head_lines;
 #[derive(Clone, Copy, PartialEq, Eq, Debug, thiserror::Error)]
 pub enum Unread {
     /// A measurement file of ASAM.
-    #[error("is an ASAM MDF file (MF4), which is not read: export it as Vector ASC or BLF, or as CSV")]
+    #[error("is an ASAM MDF file of a version before 4, which is not read: export it as MF4, Vector ASC or BLF")]
     Mdf,
     /// Lines of a packet list: identifiers without data.
     #[error(

@@ -53,7 +53,7 @@ impl Row {
             absolute: shown(TimeStyle::Absolute, record.timestamp),
             delta: since(before.unwrap_or(record.timestamp), record.timestamp),
             channel: printable(channels.name(record.channel)).into_owned(),
-            id: format!("{:0digits$X}", id.raw()),
+            id: format!("{:0digits$X}", record.frame.printed_id()),
             data: data(record),
             node: decoded.node.map(canvass_analyzer::NodeId::raw),
             service: decoded.service.name(),

@@ -1,4 +1,4 @@
-//! The part of a null device between the bus and its right device.
+//! A null device on the bus: it answers in place of a right device, or passes frames on to it.
 
 use super::NullDevice;
 use super::answers::{Answers, Reaction};

@@ -1,0 +1,192 @@
+//! Channels: the place of a value in a record, and its conversion.
+
+use super::block::{Block, chain};
+use crate::damage::Flaw;
+use nom::bytes::complete::take;
+use nom::number::complete::{le_f64, le_u16, le_u32, u8};
+use nom::{IResult, Parser};
+
+/// Number of levels of members in members; frames have one.
+const DEEPEST: u32 = 4;
+/// Limit of the number of channels in a group.
+const MOST: usize = 4096;
+
+/// A channel of a group.
+#[derive(Clone, Debug)]
+pub(super) struct Channel {
+    /// The name, such as `CAN_DataFrame.ID`.
+    pub name: String,
+    kind: u8,
+    encoding: u8,
+    bit_offset: u8,
+    byte_offset: u32,
+    bit_count: u32,
+    /// Offset and factor of the physical value.
+    linear: Option<[f64; 2]>,
+    /// The block with the values, if these have variable lengths.
+    pub values: Option<u64>,
+}
+
+const VARIABLE_LENGTH: u8 = 1;
+const MASTER: u8 = 2;
+const VIRTUAL_MASTER: u8 = 3;
+const LINEAR: u8 = 1;
+const FLOATS: [u8; 2] = [4, 5];
+const BIG_ENDIAN: [u8; 3] = [1, 3, 5];
+/// Widest number, in bits.
+const WIDEST: u32 = 64;
+
+/// Parses type, kind of synchronisation, encoding, bit offset, byte offset, number of bits.
+fn place(i: &[u8]) -> IResult<&[u8], (u8, u8, u8, u8, u32, u32)> {
+    (u8, u8, u8, u8, le_u32, le_u32).parse(i)
+}
+
+/// Parses a linear conversion: type, precision, flags, numbers of references and of values, range, offset and factor.
+fn linear(i: &[u8]) -> IResult<&[u8], (u8, f64, f64)> {
+    let (i, (kind, _, _, _, count, _)) = (u8, u8, le_u16, le_u16, le_u16, take(16usize)).parse(i)?;
+    if kind != LINEAR || count < 2 {
+        return Ok((i, (kind, 0.0, 1.0)));
+    }
+    (le_f64, le_f64).map(|(offset, factor)| (kind, offset, factor)).parse(i)
+}
+
+/// All channels of a group, and their members.
+pub(super) fn channels(file: &[u8], first: Option<u64>) -> Result<Vec<Channel>, Flaw> {
+    let mut all = Vec::new();
+    collect(file, first, DEEPEST, &mut all)?;
+    Ok(all)
+}
+
+fn collect(file: &[u8], first: Option<u64>, depth: u32, all: &mut Vec<Channel>) -> Result<(), Flaw> {
+    for block in chain(file, first, b"CN") {
+        let block = block?;
+        if all.len() >= MOST {
+            return Err(Flaw::unsupported(format!("at most {MOST} channels in a group"), "more"));
+        }
+        all.push(Channel::read(file, &block)?);
+        // An array has no channels as members.
+        let members = block.link(1).filter(|at| Block::read(file, *at).is_ok_and(|block| block.id == *b"CN"));
+        if depth > 0 && members.is_some() {
+            collect(file, members, depth - 1, all)?;
+        }
+    }
+    Ok(())
+}
+
+/// The text of a block TX; empty if there is none.
+fn text(file: &[u8], link: Option<u64>) -> String {
+    let block = link.and_then(|offset| Block::read(file, offset).ok()).filter(|block| block.id == *b"TX");
+    let bytes = block.map(|block| block.data).unwrap_or_default();
+    String::from_utf8_lossy(bytes.split(|byte| *byte == 0).next().unwrap_or_default()).into_owned()
+}
+
+impl Channel {
+    fn read(file: &[u8], block: &Block<'_>) -> Result<Self, Flaw> {
+        let Ok((_, (kind, _, encoding, bit_offset, byte_offset, bit_count))) = place(block.data) else {
+            return Err(Flaw::malformed("a whole channel", format!("{} bytes", block.data.len())));
+        };
+        let conversion = block.link(4).and_then(|offset| Block::expect(file, offset, b"CC").ok());
+        let linear = conversion.and_then(|block| linear(block.data).ok()).filter(|(_, (kind, ..))| *kind == LINEAR);
+        Ok(Self {
+            name: text(file, block.link(2)),
+            kind,
+            encoding,
+            bit_offset,
+            byte_offset,
+            bit_count,
+            linear: linear.map(|(_, (_, offset, factor))| [offset, factor]),
+            values: block.link(5),
+        })
+    }
+
+    /// Whether the channel is the time of the group.
+    pub const fn is_master(&self) -> bool {
+        matches!(self.kind, MASTER | VIRTUAL_MASTER)
+    }
+
+    /// Whether the record has the place of the value among values of variable length.
+    pub const fn has_variable_length(&self) -> bool {
+        self.kind == VARIABLE_LENGTH
+    }
+
+    /// The number in a record, without conversion; `None` if the record is too short.
+    pub fn number(&self, record: &[u8]) -> Option<u64> {
+        if self.bit_count == 0 || self.bit_count > WIDEST {
+            return None;
+        }
+        let length = (u32::from(self.bit_offset) + self.bit_count).div_ceil(8) as usize;
+        let bytes = record.get(self.byte_offset as usize..)?.get(..length)?;
+        let join = |all: u128, byte: &u8| all << 8 | u128::from(*byte);
+        let all = if BIG_ENDIAN.contains(&self.encoding) {
+            bytes.iter().fold(0, join)
+        } else {
+            bytes.iter().rev().fold(0, join)
+        };
+        Some((all >> self.bit_offset) as u64 & (u64::MAX >> (WIDEST - self.bit_count)))
+    }
+
+    /// The bytes in a record.
+    pub fn bytes<'a>(&self, record: &'a [u8]) -> Option<&'a [u8]> {
+        record.get(self.byte_offset as usize..)?.get(..self.bit_count as usize / 8)
+    }
+
+    /// A time in seconds as nanoseconds.
+    pub fn nanoseconds(&self, record: &[u8]) -> Option<u64> {
+        const SECOND: f64 = 1e9;
+        let raw = self.number(record)?;
+        let [offset, factor] = self.linear.unwrap_or([0.0, 1.0]);
+        let unit = (factor * SECOND).round();
+        if !FLOATS.contains(&self.encoding) && offset == 0.0 && unit >= 1.0 && (factor * SECOND - unit).abs() < 1e-3 {
+            return raw.checked_mul(unit as u64);
+        }
+        let value = match (FLOATS.contains(&self.encoding), self.bit_count) {
+            (true, 32) => f64::from(f32::from_bits(raw as u32)),
+            (true, _) => f64::from_bits(raw),
+            (false, _) => raw as f64,
+        };
+        let nanoseconds = ((offset + factor * value) * SECOND).round();
+        (nanoseconds >= 0.0 && nanoseconds < u64::MAX as f64).then_some(nanoseconds as u64)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn channel(encoding: u8, bit_offset: u8, byte_offset: u32, bit_count: u32) -> Channel {
+        Channel {
+            name: String::new(),
+            kind: 0,
+            encoding,
+            bit_offset,
+            byte_offset,
+            bit_count,
+            linear: None,
+            values: None,
+        }
+    }
+
+    #[test]
+    fn numbers_of_any_width_and_place() {
+        let record = [0x12, 0x34, 0x56, 0x78, 0x9A];
+        assert_eq!(channel(0, 0, 1, 16).number(&record), Some(0x5634));
+        assert_eq!(channel(1, 0, 1, 16).number(&record), Some(0x3456));
+        assert_eq!(channel(0, 4, 0, 12).number(&record), Some(0x341));
+        assert_eq!(channel(0, 7, 4, 1).number(&record), Some(1));
+        assert_eq!(channel(0, 0, 4, 16).number(&record), None, "beyond the record");
+        assert_eq!(channel(0, 0, 0, 65).number(&record), None);
+    }
+
+    #[test]
+    fn times_in_seconds() {
+        let seconds = channel(4, 0, 0, 64);
+        assert_eq!(seconds.nanoseconds(&1.5f64.to_le_bytes()), Some(1_500_000_000));
+        assert_eq!(seconds.nanoseconds(&(-1.0f64).to_le_bytes()), None);
+        assert_eq!(seconds.nanoseconds(&f64::NAN.to_le_bytes()), None);
+        let ticks = Channel { linear: Some([0.0, 1e-9]), ..channel(0, 0, 0, 64) };
+        let exact = 9_007_199_254_740_993_u64;
+        assert_eq!(ticks.nanoseconds(&exact.to_le_bytes()), Some(exact), "more digits than a float has");
+        let coarse = Channel { linear: Some([0.5, 1e-6]), ..channel(0, 0, 0, 32) };
+        assert_eq!(coarse.nanoseconds(&[1, 0, 0, 0]), Some(500_001_000));
+    }
+}
