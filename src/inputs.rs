@@ -290,7 +290,8 @@ fn stopped(name: &str) -> anyhow::Error {
     anyhow!("{name}: stopped there")
 }
 
-fn is_stdin(file: &Path) -> bool {
+/// Whether the path stands for standard input.
+pub fn is_stdin(file: &Path) -> bool {
     file.as_os_str() == "-"
 }
 

@@ -2,7 +2,7 @@
 
 use super::decode_events;
 use crate::files::Files;
-use crate::inputs::{InputOptions, Inputs};
+use crate::inputs::{InputOptions, Inputs, is_stdin};
 use crate::output::{Color, Output, diagnostic, terminal_width};
 use crate::selection::Selection;
 use crate::status::{Failure, Status};
@@ -12,7 +12,11 @@ use canvass_analyzer::Meaning;
 use canvass_analyzer::network::{Network, Skipping};
 use canvass_reports::decode::{CsvLines, JsonLines, Line, Lines, TableLines, TextLines, TimeStyle};
 use canvass_traces::TimeBase;
+use std::io::IsTerminal as _;
 use std::path::PathBuf;
+
+/// The keys that end the input of a terminal.
+const END_OF_INPUT: &str = if cfg!(windows) { "Ctrl-Z and Enter" } else { "Ctrl-D" };
 
 /// Decode captures: one annotated line per frame, or one per event
 ///
@@ -21,7 +25,7 @@ use std::path::PathBuf;
 #[derive(clap::Args)]
 pub struct Args {
     /// Capture files; - is standard input
-    #[arg(required = true, value_name = "FILE")]
+    #[arg(value_name = "FILE", default_value = "-")]
     files: Vec<PathBuf>,
     #[command(flatten)]
     view: View,
@@ -93,6 +97,9 @@ impl Args {
         let network = self.view.network()?;
         let files = Files::new().reads(&self.files).describes(self.view.selection.descriptions());
         files.writes(self.input.quality_file())?;
+        if self.files.iter().any(|file| is_stdin(file)) && std::io::stdin().is_terminal() {
+            diagnostic(&format!("canvass: paste frames, then press {END_OF_INPUT}"));
+        }
         let inputs = Inputs::open(&self.files, &self.input, &output)?;
         self.view.show(inputs, network, color, &output)
     }

@@ -74,3 +74,24 @@ fn a_capture_that_is_chosen_at_once_has_its_hash() {
     });
     opened.browser.is_quiet();
 }
+
+/// Pastes text, as Ctrl-V does outside of a field.
+fn paste(opened: &Opened, text: &str) {
+    let text = serde_json::to_string(text).unwrap();
+    opened.browser.run(&format!(
+        "const data = new DataTransfer(); data.setData('text/plain', {text}); \
+         document.body.dispatchEvent(new ClipboardEvent('paste', {{ clipboardData: data, bubbles: true, cancelable: true }}))"
+    ));
+}
+
+#[test]
+fn frames_that_are_pasted_are_read() {
+    let opened = Opened::empty(Screen::Desk);
+    paste(&opened, "  605  [8]  40 00 10 00 00 00 00 00\n  585  [8]  43 00 10 00 92 01 02 00  <-- here\n");
+    opened.browser.wait(IS_READ);
+    assert!(status(&opened).contains("2 frames"), "{}", status(&opened));
+    opened.view("trace");
+    let rows = opened.rows();
+    assert!(rows.iter().any(|row| row.contains("read answered: 1000h:00")), "{rows:?}");
+    opened.browser.is_quiet();
+}

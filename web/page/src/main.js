@@ -233,11 +233,22 @@ function drops() {
     body.classList.remove("over");
     take([...event.dataTransfer.files]);
   });
+  body.addEventListener("paste", pasted);
   byId("files").addEventListener("change", ({ target }) => {
     take([...target.files]);
     target.value = "";
   });
   byId("again").addEventListener("click", () => close());
+}
+
+/** Opens what the user pastes: files, or the text of frames. A field takes its own text. */
+function pasted(event) {
+  if (event.target.closest("input, select, textarea")) return;
+  const { files } = event.clipboardData;
+  const text = event.clipboardData.getData("text/plain");
+  if (files.length === 0 && text.trim() === "") return;
+  event.preventDefault();
+  take(files.length > 0 ? [...files] : [new File([text], "pasted.txt", { type: "text/plain" })]);
 }
 
 function theme() {
