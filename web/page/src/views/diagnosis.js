@@ -1,8 +1,8 @@
 import { button, element, frame, save, welcome } from "../dom.js";
 
 const WELCOME = [
-  "Drop captures of a CANopen network here, and device descriptions (EDS, DCF, XDD) with them.",
-  "Candump logs, Vector ASC and BLF, PEAK TRC, pcap and pcapng, MCAP, CSV of python-can, CANopen Minimonitor; compressed by gzip or zstd too. Several captures become one.",
+  "Drop captures of a CANopen network here, and device descriptions (EDS, DCF, XDD) with them; or paste frames that another tool shows.",
+  "Candump logs, Vector ASC and BLF, MF4, PEAK TRC, pcap and pcapng, MCAP, CSV of python-can, CANopen Minimonitor; compressed by gzip or zstd too. Several captures become one.",
   "All work is done in this page. It sends nothing and loads nothing: its content security policy forbids it.",
 ];
 const FORMS = [["json", "json"], ["markdown", "md"], ["junit", "xml"], ["table", "txt"]];
