@@ -28,9 +28,9 @@ pub struct Args {
 
 impl Args {
     pub fn run(self, typed: &Typed) -> Result<Status, Failure> {
-        if self.shown.formats().any(|format| format == ReportFormat::Junit) {
+        if self.shown.formats().any(|format| matches!(format, ReportFormat::Junit | ReportFormat::Sarif)) {
             return Err(anyhow!(
-                "a history has no pass or fail, which JUnit needs: choose table, json, html or markdown (`canvass \
+                "a history has no pass or fail, which JUnit and SARIF need: choose table, json, html or markdown (`canvass \
                  compare` has junit)"
             )
             .into());

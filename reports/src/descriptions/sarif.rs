@@ -1,6 +1,7 @@
 //! SARIF 2.1.0, which code hosts and editors show beside the lines.
 
 use super::{CheckedFile, Located, LocatedEdit};
+use crate::document::sarif::{SCHEMA, VERSION};
 use canvass_analyzer::dictionary::{Rule, Severity, rules};
 use serde_json::{Value, json};
 use std::fmt::Write;
@@ -10,8 +11,8 @@ pub fn document(files: &[CheckedFile]) -> Value {
     let results: Vec<Value> =
         files.iter().flat_map(|file| file.findings.iter().map(|located| result(file, located))).collect();
     json!({
-        "$schema": "https://json.schemastore.org/sarif-2.1.0.json",
-        "version": "2.1.0",
+        "$schema": SCHEMA,
+        "version": VERSION,
         "runs": [{
             "tool": { "driver": {
                 "name": "canvass",

@@ -78,6 +78,11 @@ impl Suite {
         self.began = began;
     }
 
+    /// All cases.
+    pub(crate) fn cases(&self) -> &[Case] {
+        &self.cases
+    }
+
     /// Adds cases.
     pub(crate) fn add_cases(&mut self, cases: impl IntoIterator<Item = Case>) {
         self.cases.extend(cases);
@@ -141,6 +146,14 @@ impl Case {
 }
 
 impl Problem {
+    /// The kind of a violation that did not come back.
+    pub(crate) const SEEN_ONCE: &'static str = "violation seen once";
+
+    /// Whether the tested object is known to have the problem. What was seen once may have been a disturbance.
+    pub(crate) fn is_certain(&self) -> bool {
+        self.kind != Self::SEEN_ONCE
+    }
+
     fn to_junit(&self, kind: NonSuccessKind) -> TestCaseStatus {
         let mut status = TestCaseStatus::non_success(kind);
         status.set_type(self.kind);

@@ -7,6 +7,7 @@
 pub mod html;
 pub mod junit;
 mod markdown;
+pub(crate) mod sarif;
 mod text;
 
 pub use text::height;
@@ -41,6 +42,7 @@ pub trait Report {
                 let Document { command, suites, .. } = self.document(Depth::Paper);
                 junit::write(command, &suites, out)
             }
+            Form::Sarif => sarif::render(&self.document(Depth::Paper), out),
             Form::Json => self.json(out),
         }
     }
@@ -57,6 +59,8 @@ pub enum Form {
     Html,
     /// JUnit XML for CI servers.
     Junit,
+    /// SARIF for code hosts.
+    Sarif,
     /// JSON for programs.
     Json,
 }

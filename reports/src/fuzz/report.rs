@@ -191,7 +191,7 @@ fn case(run: &Run, family: &str, found: &Found, words: &Words) -> Case {
     let log = reproducer::log(found);
     let text = format!("{}\n{}\n{log}", reliability(found, run.outcome.dead), annotated(found, words));
     Case::passed(family, violation.defect().to_string()).ended(Outcome::Failed(Problem {
-        kind: if found.confirmed { "violation" } else { "violation seen once" },
+        kind: if found.confirmed { "violation" } else { Problem::SEEN_ONCE },
         message: format!(
             "{} {}: expected {}, found {}",
             violation.property, violation.rule, violation.expected, violation.actual

@@ -72,7 +72,7 @@ fn rendered(form: Form) -> String {
 
 #[test]
 fn hostile_words_stay_words() {
-    for form in [TEXT, Form::Json, Form::Junit, Form::Markdown, Form::Html] {
+    for form in [TEXT, Form::Json, Form::Junit, Form::Markdown, Form::Html, Form::Sarif] {
         let text = rendered(form);
         assert!(!text.contains('\u{1b}'), "{text}");
         assert!(text.contains("PROP-02"), "{text}");
@@ -136,7 +136,7 @@ fn a_lost_bus_is_told() {
         lost.write(form, &mut out).unwrap();
         String::from_utf8(out).unwrap()
     };
-    for form in [TEXT, Form::Json, Form::Junit, Form::Markdown, Form::Html] {
+    for form in [TEXT, Form::Json, Form::Junit, Form::Markdown, Form::Html, Form::Sarif] {
         let text = rendered(form);
         assert!(text.contains("the bus was not back within 120 s"), "{text}");
         assert!(!text.contains('\u{1b}'), "{text}");
@@ -169,4 +169,26 @@ fn the_contract_has_its_members() {
     assert!(violation["test"].as_str().unwrap().contains("#[test]"));
     assert!(rendered(TEXT).contains("seen once"));
     assert!(rendered(TEXT).contains("; 1 sequence could not be judged"));
+}
+
+/// The results of two runs have the same fingerprints, so that a code host knows the alert again. A violation that did
+/// not come back is a warning.
+#[test]
+fn sarif_has_an_alert_for_each_violation() {
+    let results = |confirmed: bool| {
+        let mut run = run();
+        run.outcome.violations[0].confirmed = confirmed;
+        let mut out = Vec::new();
+        run.write(Form::Sarif, &mut out).unwrap();
+        let sarif: serde_json::Value = serde_json::from_slice(&out).unwrap();
+        sarif["runs"][0]["results"].as_array().unwrap().clone()
+    };
+    let id = format!("fuzz.{}/{}", run().targets, run().outcome.violations[0].violation.defect());
+    for (confirmed, level) in [(true, "error"), (false, "warning")] {
+        let results = results(confirmed);
+        assert_eq!(results.len(), run().outcome.violations.len());
+        let fingerprint = &results[0]["partialFingerprints"]["canvass/1"];
+        assert_eq!((&results[0]["ruleId"], fingerprint), (&id.clone().into(), &id.clone().into()));
+        assert_eq!(results[0]["level"], level);
+    }
 }

@@ -29,6 +29,8 @@ pub enum ReportFormat {
     /// For merge requests and wikis
     #[value(alias = "md")]
     Markdown,
+    /// For alerts of code hosts (SARIF 2.1.0)
+    Sarif,
 }
 
 impl ReportFormat {
@@ -40,6 +42,7 @@ impl ReportFormat {
             Self::Junit => Form::Junit,
             Self::Html => Form::Html,
             Self::Markdown => Form::Markdown,
+            Self::Sarif => Form::Sarif,
         }
     }
 }
@@ -73,7 +76,7 @@ impl FromStr for ReportArg {
     fn from_str(text: &str) -> Result<Self> {
         let (format, file) = text.split_once('=').context("expected FORMAT=FILE, such as html=report.html")?;
         let format = ReportFormat::from_str(format, false)
-            .map_err(|_| anyhow!("expected table, json, junit, html or markdown, found \"{format}\""))?;
+            .map_err(|_| anyhow!("expected table, json, junit, html, markdown or sarif, found \"{format}\""))?;
         Ok(Self { format, file: file.into() })
     }
 }

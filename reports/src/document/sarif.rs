@@ -1,0 +1,67 @@
+//! SARIF 2.1.0, which code hosts show as alerts: one result for each case that did not pass.
+//!
+//! The results have no place in a file, as the device is tested and not its source. Their location is the tested object,
+//! and their fingerprint the id of the case, so that an alert stays the same alert in later runs.
+
+use super::Document;
+use super::junit::{Case, Outcome, Problem};
+use crate::escape::printable;
+use serde_json::{Value, json};
+use std::collections::BTreeSet;
+use std::io::{self, Write};
+
+/// Address of the schema of a document.
+pub(crate) const SCHEMA: &str = "https://json.schemastore.org/sarif-2.1.0.json";
+pub(crate) const VERSION: &str = "2.1.0";
+
+/// Writes the cases that did not pass.
+///
+/// # Errors
+/// The errors of `out`.
+pub(super) fn render(document: &Document, out: &mut dyn Write) -> io::Result<()> {
+    let failed: Vec<(&Case, &Problem, &str)> =
+        document.suites.iter().flat_map(super::junit::Suite::cases).filter_map(failed).collect();
+    let rules: BTreeSet<String> = failed.iter().map(|(case, ..)| rule_id(case)).collect();
+    let results: Vec<Value> =
+        failed.iter().map(|(case, problem, level)| result(document, case, problem, level)).collect();
+    let sarif = json!({
+        "$schema": SCHEMA,
+        "version": VERSION,
+        "runs": [{
+            "tool": { "driver": {
+                "name": "canvass",
+                "version": env!("CARGO_PKG_VERSION"),
+                "rules": rules.iter().map(|id| json!({ "id": id })).collect::<Vec<_>>(),
+            } },
+            "automationDetails": { "id": format!("canvass/{}", document.command) },
+            "results": results,
+        }],
+    });
+    serde_json::to_writer_pretty(&mut *out, &sarif)?;
+    writeln!(out)
+}
+
+/// The problem of a case that did not pass, and its level. A case that was left out has no problem.
+fn failed(case: &Case) -> Option<(&Case, &Problem, &'static str)> {
+    match &case.outcome {
+        Outcome::Failed(problem) if problem.is_certain() => Some((case, problem, "error")),
+        Outcome::Failed(problem) | Outcome::Error(problem) => Some((case, problem, "warning")),
+        Outcome::Passed | Outcome::Skipped { .. } => None,
+    }
+}
+
+fn rule_id(case: &Case) -> String {
+    printable(&format!("{}/{}", case.family, case.name)).into_owned()
+}
+
+fn result(document: &Document, case: &Case, problem: &Problem, level: &str) -> Value {
+    let id = rule_id(case);
+    let text: Vec<_> = std::iter::once(&problem.message).chain(&problem.details).map(|line| printable(line)).collect();
+    json!({
+        "ruleId": id,
+        "level": level,
+        "message": { "text": text.join("\n") },
+        "locations": [{ "logicalLocations": [{ "fullyQualifiedName": printable(&document.title), "kind": "module" }] }],
+        "partialFingerprints": { "canvass/1": id },
+    })
+}
