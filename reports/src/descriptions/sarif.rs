@@ -1,10 +1,9 @@
 //! SARIF 2.1.0, which code hosts and editors show beside the lines.
 
 use super::{CheckedFile, Located, LocatedEdit};
-use crate::document::sarif::{SCHEMA, VERSION};
+use crate::document::sarif::{SCHEMA, VERSION, uri};
 use canvass_analyzer::dictionary::{Rule, Severity, rules};
 use serde_json::{Value, json};
-use std::fmt::Write;
 
 /// The findings in all files.
 pub fn document(files: &[CheckedFile]) -> Value {
@@ -84,18 +83,4 @@ fn replacement(edit: &LocatedEdit) -> Value {
         },
         "insertedContent": { "text": edit.text },
     })
-}
-
-/// A path as a relative or absolute URI reference. Bytes with a meaning in a URI are percent-encoded.
-fn uri(path: &str) -> String {
-    let mut uri = String::with_capacity(path.len());
-    for byte in path.bytes() {
-        match byte {
-            b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'-' | b'_' | b'.' | b'~' | b'/' => uri.push(char::from(byte)),
-            b'\\' if cfg!(windows) => uri.push('/'),
-            // Writing to a string can't fail.
-            _ => _ = write!(uri, "%{byte:02X}"),
-        }
-    }
-    uri
 }

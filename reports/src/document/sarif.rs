@@ -1,13 +1,14 @@
 //! SARIF 2.1.0, which code hosts show as alerts: one result for each case that did not pass.
 //!
-//! The results have no place in a file, as the device is tested and not its source. Their location is the tested object,
-//! and their fingerprint the id of the case, so that an alert stays the same alert in later runs.
+//! The device is tested and not its source, but code hosts refuse a result without a file: the tested object stands in its
+//! place. The fingerprint is the id of the case, so that an alert stays the same alert in later runs.
 
 use super::Document;
 use super::junit::{Case, Outcome, Problem};
 use crate::escape::printable;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
+use std::fmt::Write as _;
 use std::io::{self, Write};
 
 /// Address of the schema of a document.
@@ -61,7 +62,27 @@ fn result(document: &Document, case: &Case, problem: &Problem, level: &str) -> V
         "ruleId": id,
         "level": level,
         "message": { "text": text.join("\n") },
-        "locations": [{ "logicalLocations": [{ "fullyQualifiedName": printable(&document.title), "kind": "module" }] }],
+        "locations": [{
+            "physicalLocation": {
+                "artifactLocation": { "uri": uri(&document.title) },
+                "region": { "startLine": 1 },
+            },
+            "logicalLocations": [{ "fullyQualifiedName": printable(&document.title), "kind": "module" }],
+        }],
         "partialFingerprints": { "canvass/1": id },
     })
+}
+
+/// A path as a relative or absolute URI reference. Bytes with a meaning in a URI are percent-encoded.
+pub(crate) fn uri(path: &str) -> String {
+    let mut uri = String::with_capacity(path.len());
+    for byte in path.bytes() {
+        match byte {
+            b'a'..=b'z' | b'A'..=b'Z' | b'0'..=b'9' | b'-' | b'_' | b'.' | b'~' | b'/' => uri.push(char::from(byte)),
+            b'\\' if cfg!(windows) => uri.push('/'),
+            // Writing to a string can't fail.
+            _ => _ = write!(uri, "%{byte:02X}"),
+        }
+    }
+    uri
 }
