@@ -52,6 +52,10 @@ pub(super) fn judge(mut trial: Trial, bench: &mut Bench<'_>) -> Trial {
     trial
 }
 
+/// Lateness in a run from which on the device may also have met a longer stall that no read has seen. Stalls of a process
+/// without processor time differ much, and a case lasts much longer than the reads.
+const SIGN_OF_STALLS: Duration = Duration::from_millis(5);
+
 /// The reason to doubt a failure until it comes again: lateness can cause each of its breaches, and the device was late
 /// as a whole at some time in the run. A device that sometimes gets no processor time may be prompt again when the
 /// bench measures it.
@@ -63,8 +67,7 @@ pub(crate) fn doubt(report: &CaseReport, bench: &Bench<'_>) -> Option<Reason> {
     // An LSS answer does not name its request: the bench takes a late one for the answer to the next request.
     let is_mistaken = |breach: &Breach| matches!(breach.subject, Subject::Service(Service::Lss | Service::Lmt));
     let by_lateness = |Ruled { breach, .. }: &Ruled| match lateness_needed(breach, &timing) {
-        // A short lateness explains a time that is only a little beside its limits.
-        Some(needed) => lateness >= needed.min(HOST_LATE),
+        Some(needed) => lateness >= needed.min(SIGN_OF_STALLS),
         None => lateness >= HOST_LATE && is_mistaken(breach),
     };
     let mut failures = report.verdict.breaches().iter().filter(|ruled| ruled.kind() == Kind::Fail);
