@@ -396,11 +396,15 @@ def message(f):
 
 def make_mf4():
     """Plain, deflated, and transposed records. python-can writes a group for data, remote and error frames each."""
-    import can
+    import asammdf, can
     for name, level in [("python-can-plain.mf4", 0), ("python-can-deflated.mf4", 1), ("python-can.mf4", 2)]:
         with can.MF4Writer(str(HERE / name), compression_level=level) as writer:
             for f in TRAFFIC:
                 writer.on_message_received(message(f))
+        # python-can reckons with seconds since 1970 in floating point: the nanoseconds that are in the file.
+        mdf = asammdf.MDF(str(HERE / name))
+        times = [t for group in range(len(mdf.groups)) for t in mdf.get_master(group)]
+        times = sorted(mdf.header.abs_time + round(t * 1e9) for t in times)
         lines = []
         for m in sorted(can.MF4Reader(str(HERE / name)), key=lambda m: m.timestamp):
             can_id = 0x80 | ERR if m.is_error_frame else m.arbitration_id | (EXT if m.is_extended_id else 0) | \
@@ -408,7 +412,7 @@ def make_mf4():
             fd = m.bitrate_switch | m.error_state_indicator << 1 if m.is_fd else None
             data = b"" if m.is_error_frame else bytes(m.data)
             way = "Rx" if m.is_rx else "Tx"
-            lines.append(show(round(m.timestamp * 1e9), str(m.channel), can_id, data, fd, m.dlc, way))
+            lines.append(show(int(times[len(lines)]), str(m.channel), can_id, data, fd, m.dlc, way))
         expect(name, lines)
 
 

@@ -87,3 +87,10 @@ fn blf() {
     reads_as_others_do("python-can-plain.blf");
     reads_as_others_do("python-can-small-containers.blf");
 }
+
+#[test]
+fn mf4() {
+    reads_as_others_do("python-can.mf4");
+    reads_as_others_do("python-can-deflated.mf4");
+    reads_as_others_do("python-can-plain.mf4");
+}

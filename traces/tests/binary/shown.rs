@@ -95,4 +95,7 @@ pub const SAMPLES: &[&str] = &[
     "python-can.blf",
     "python-can-plain.blf",
     "python-can-small-containers.blf",
+    "python-can.mf4",
+    "python-can-deflated.mf4",
+    "python-can-plain.mf4",
 ];

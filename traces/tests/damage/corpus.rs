@@ -132,6 +132,16 @@ pub fn open(bytes: &[u8]) -> Option<Capture> {
     Capture::from_source("test", Source::from_bytes(bytes), &ReadOptions::default()).ok()
 }
 
+/// Whether `some` are the first frames of the sample. In MF4 each kind of frames has records of its own, which follow each
+/// other: a part of the file has all frames of the first kinds.
+pub fn are_first(sample: &Sample, some: &[Record]) -> bool {
+    let mut all = sample.frames.iter();
+    match sample.format {
+        Format::Mf4 => some.iter().all(|frame| all.any(|other| other == frame)),
+        _ => sample.frames.starts_with(some),
+    }
+}
+
 /// All records and damages; `None` if the format of the bytes is unknown.
 pub fn read(bytes: &[u8]) -> Option<(Vec<Record>, Vec<Damage>)> {
     let mut capture = open(bytes)?;

@@ -4,6 +4,7 @@ use crate::damage::Flaw;
 use nom::bytes::complete::{tag, take};
 use nom::number::complete::le_u64;
 use nom::{IResult, Parser};
+use std::collections::BTreeSet;
 
 /// Length of id, reserved bytes, length, and number of links.
 const HEADER: u64 = 24;
@@ -88,22 +89,49 @@ pub(super) fn chain<'a>(
     first: Option<u64>,
     id: &'static Id,
 ) -> impl Iterator<Item = Result<Block<'a>, Flaw>> {
-    // No chain has more blocks than fit into the file.
-    let mut left = file.len() as u64 / HEADER;
+    let mut seen = BTreeSet::new();
     let mut next = first;
     std::iter::from_fn(move || {
         let offset = next.take()?;
-        if left == 0 {
-            return Some(Err(Flaw::malformed(
-                format!("a chain of blocks {} that ends", name(id)),
-                "one that comes back",
-            )));
+        if !seen.insert(offset) {
+            let expected = format!("a chain of blocks {} that ends", name(id));
+            return Some(Err(Flaw::malformed(expected, "one that comes back")));
         }
-        left -= 1;
         let block = Block::expect(file, offset, id);
         next = block.as_ref().ok().and_then(|block| block.link(0));
         Some(block)
     })
+}
+
+/// What the blocks of a file are, found without links.
+#[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
+pub(super) struct Survey {
+    /// Whether the file ends within a block, or before a block to which a link leads.
+    pub is_cut: bool,
+    /// Number of data groups.
+    pub data_groups: usize,
+    /// Number of channel groups.
+    pub groups: usize,
+}
+
+/// Looks at block after block from `first` on, up to the end of the file, or to bytes that are no block.
+pub(super) fn survey(file: &[u8], first: u64) -> Survey {
+    let end = file.len() as u64;
+    let (mut survey, mut at) = (Survey::default(), first);
+    while at < end {
+        let Ok(block) = Block::read(file, at) else {
+            let rest = usize::try_from(at).ok().and_then(|at| file.get(at..)).unwrap_or_default();
+            survey.is_cut |= rest.len() < HEADER as usize && rest.iter().any(|byte| *byte != 0);
+            return survey;
+        };
+        survey.is_cut |= block.is_cut || block.links().any(|link| link >= end);
+        survey.data_groups += usize::from(block.id == *b"DG");
+        survey.groups += usize::from(block.id == *b"CG");
+        let length = HEADER + (block.links.len() + block.data.len()) as u64;
+        // Blocks begin at multiples of eight bytes.
+        at += length.next_multiple_of(8);
+    }
+    survey
 }
 
 #[cfg(test)]
@@ -153,5 +181,19 @@ mod tests {
         round_again[32..40].copy_from_slice(&8u64.to_le_bytes());
         let blocks: Vec<_> = chain(&round_again, Some(8), b"DG").collect();
         assert!(blocks.len() < 4 && blocks.last().unwrap().is_err(), "{blocks:?}");
+    }
+
+    #[test]
+    fn a_survey_tells_where_the_file_is_cut() {
+        let file = [block(b"CG", &[], b"12345678"), block(b"DG", &[0, 0], b""), block(b"DT", &[], b"records")].concat();
+        let whole = Survey { is_cut: false, data_groups: 1, groups: 1 };
+        assert_eq!(survey(&file, 0), whole);
+        assert_eq!(survey(&[file.clone(), vec![0; 9]].concat(), 0), whole, "filling at the end");
+        for end in 1..file.len() {
+            let is_between = [32, 72].contains(&end);
+            assert_eq!(survey(&file[..end], 0).is_cut, !is_between, "cut at {end}");
+        }
+        let linked = block(b"DG", &[0, 500], b"");
+        assert!(survey(&linked, 0).is_cut, "to a block that is missing");
     }
 }

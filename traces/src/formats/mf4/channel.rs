@@ -73,11 +73,11 @@ fn collect(file: &[u8], first: Option<u64>, depth: u32, all: &mut Vec<Channel>) 
     Ok(())
 }
 
-/// The text of a block TX; empty if there is none.
-fn text(file: &[u8], link: Option<u64>) -> String {
-    let block = link.and_then(|offset| Block::read(file, offset).ok()).filter(|block| block.id == *b"TX");
-    let bytes = block.map(|block| block.data).unwrap_or_default();
-    String::from_utf8_lossy(bytes.split(|byte| *byte == 0).next().unwrap_or_default()).into_owned()
+/// The text of a block TX; empty without a link.
+fn text(file: &[u8], link: Option<u64>) -> Result<String, Flaw> {
+    let Some(offset) = link else { return Ok(String::new()) };
+    let bytes = Block::expect(file, offset, b"TX")?.data;
+    Ok(String::from_utf8_lossy(bytes.split(|byte| *byte == 0).next().unwrap_or_default()).into_owned())
 }
 
 impl Channel {
@@ -85,10 +85,10 @@ impl Channel {
         let Ok((_, (kind, _, encoding, bit_offset, byte_offset, bit_count))) = place(block.data) else {
             return Err(Flaw::malformed("a whole channel", format!("{} bytes", block.data.len())));
         };
-        let conversion = block.link(4).and_then(|offset| Block::expect(file, offset, b"CC").ok());
+        let conversion = block.link(4).map(|offset| Block::expect(file, offset, b"CC")).transpose()?;
         let linear = conversion.and_then(|block| linear(block.data).ok()).filter(|(_, (kind, ..))| *kind == LINEAR);
         Ok(Self {
-            name: text(file, block.link(2)),
+            name: text(file, block.link(2))?,
             kind,
             encoding,
             bit_offset,
@@ -97,6 +97,12 @@ impl Channel {
             linear: linear.map(|(_, (_, offset, factor))| [offset, factor]),
             values: block.link(5),
         })
+    }
+
+    /// Whether a record of `length` bytes has the whole value.
+    pub const fn fits(&self, length: usize) -> bool {
+        let bits = self.bit_offset as u64 + self.bit_count as u64;
+        matches!(self.kind, VIRTUAL_MASTER) || self.byte_offset as u64 + bits.div_ceil(8) <= length as u64
     }
 
     /// Whether the channel is the time of the group.
@@ -130,14 +136,14 @@ impl Channel {
         record.get(self.byte_offset as usize..)?.get(..self.bit_count as usize / 8)
     }
 
-    /// A time in seconds as nanoseconds.
-    pub fn nanoseconds(&self, record: &[u8]) -> Option<u64> {
+    /// A time in seconds as nanoseconds. A recording that was made of an older one has times before its start.
+    pub fn nanoseconds(&self, record: &[u8]) -> Option<i64> {
         const SECOND: f64 = 1e9;
         let raw = self.number(record)?;
         let [offset, factor] = self.linear.unwrap_or([0.0, 1.0]);
         let unit = (factor * SECOND).round();
         if !FLOATS.contains(&self.encoding) && offset == 0.0 && unit >= 1.0 && (factor * SECOND - unit).abs() < 1e-3 {
-            return raw.checked_mul(unit as u64);
+            return raw.checked_mul(unit as u64).and_then(|time| i64::try_from(time).ok());
         }
         let value = match (FLOATS.contains(&self.encoding), self.bit_count) {
             (true, 32) => f64::from(f32::from_bits(raw as u32)),
@@ -145,7 +151,7 @@ impl Channel {
             (false, _) => raw as f64,
         };
         let nanoseconds = ((offset + factor * value) * SECOND).round();
-        (nanoseconds >= 0.0 && nanoseconds < u64::MAX as f64).then_some(nanoseconds as u64)
+        (nanoseconds.abs() < i64::MAX as f64).then_some(nanoseconds as i64)
     }
 }
 
@@ -181,10 +187,11 @@ mod tests {
     fn times_in_seconds() {
         let seconds = channel(4, 0, 0, 64);
         assert_eq!(seconds.nanoseconds(&1.5f64.to_le_bytes()), Some(1_500_000_000));
-        assert_eq!(seconds.nanoseconds(&(-1.0f64).to_le_bytes()), None);
+        assert_eq!(seconds.nanoseconds(&(-1.0f64).to_le_bytes()), Some(-1_000_000_000));
+        assert_eq!(seconds.nanoseconds(&1e300f64.to_le_bytes()), None);
         assert_eq!(seconds.nanoseconds(&f64::NAN.to_le_bytes()), None);
         let ticks = Channel { linear: Some([0.0, 1e-9]), ..channel(0, 0, 0, 64) };
-        let exact = 9_007_199_254_740_993_u64;
+        let exact = 9_007_199_254_740_993_i64;
         assert_eq!(ticks.nanoseconds(&exact.to_le_bytes()), Some(exact), "more digits than a float has");
         let coarse = Channel { linear: Some([0.5, 1e-6]), ..channel(0, 0, 0, 32) };
         assert_eq!(coarse.nanoseconds(&[1, 0, 0, 0]), Some(500_001_000));

@@ -4,6 +4,7 @@ use super::block::{Block, chain};
 use super::channel::{Channel, channels};
 use super::data::content;
 use crate::damage::Flaw;
+use crate::formats::asc::LATEST;
 use crate::formats::blf::{bus_error, classical, fd};
 use crate::{CanId, ChannelId, Direction, Record, Timestamp};
 use nom::bytes::complete::take;
@@ -21,6 +22,8 @@ pub(super) struct Group<'a> {
     pub is_of_values: bool,
     /// The length of a record, without the number of the group.
     pub length: usize,
+    /// Number of records as the file says.
+    pub count: u64,
     /// How a record becomes a frame; `None` for other records.
     pub frames: Option<Frames<'a>>,
 }
@@ -55,11 +58,28 @@ enum Values<'a> {
 
 /// Flag of a group: its records are values of variable length.
 const OF_VALUES: u16 = 0x0001;
+/// Flag of a group: its records are frames or events of a bus.
+const OF_BUS: u16 = 0x0002;
+/// The beginnings of channels' names in groups of other buses, and of events without a frame.
+const OTHER_BUSES: [&str; 7] = ["LIN_", "FLX_", "MOST_", "ETH_", "K_", "CAN_OverloadFrame", "CAN_Statistics"];
+
+struct Head {
+    id: u64,
+    count: u64,
+    flags: u16,
+    /// Length of a record, and of its invalidation bits.
+    lengths: [u32; 2],
+}
 
 /// Parses number, number of records, flags, separator, length of the record, length of its invalidation bits.
-fn head(i: &[u8]) -> IResult<&[u8], (u64, u16, u32, u32)> {
+fn head(i: &[u8]) -> IResult<&[u8], Head> {
     (le_u64, le_u64, le_u16, le_u16, take(4usize), le_u32, le_u32)
-        .map(|(id, _, flags, _, _, length, invalidation)| (id, flags, length, invalidation))
+        .map(|(id, count, flags, _, _, length, invalidation)| Head {
+            id,
+            count,
+            flags,
+            lengths: [length, invalidation],
+        })
         .parse(i)
 }
 
@@ -69,23 +89,47 @@ pub(super) fn groups<'a>(file: &'a [u8], data_group: &Block<'a>) -> Result<Vec<(
 }
 
 fn group<'a>(file: &'a [u8], block: &Block<'a>) -> Result<(u64, Group<'a>), Flaw> {
-    let Ok((_, (id, flags, length, invalidation))) = head(block.data) else {
+    let Ok((_, Head { id, count, flags, lengths })) = head(block.data) else {
         return Err(Flaw::malformed("a whole channel group", format!("{} bytes", block.data.len())));
     };
     let is_of_values = flags & OF_VALUES != 0;
-    let frames = if is_of_values { None } else { frames(file, channels(file, block.link(1))?) };
-    let length = length as usize + invalidation as usize;
-    Ok((block.offset, Group { id, is_of_values, length, frames }))
+    let length = lengths.iter().map(|length| *length as usize).sum();
+    let frames = match is_of_values {
+        true => None,
+        false => frames(file, known(channels(file, block.link(1))?, flags, length)?),
+    };
+    Ok((block.offset, Group { id, is_of_values, length, count, frames }))
 }
 
-/// The channels of frames among all channels of a group; `None` if the records are no frames, or have no time.
-fn frames(file: &[u8], channels: Vec<Channel>) -> Option<Frames<'_>> {
-    let kind_of = |name: &str| match name.split('.').next() {
+/// The channels of a group, if they fit into its records, and are of a bus that is known.
+fn known(channels: Vec<Channel>, flags: u16, length: usize) -> Result<Vec<Channel>, Flaw> {
+    if let Some(beyond) = channels.iter().find(|channel| !channel.fits(length)) {
+        let found = format!("{} beyond {length} bytes", beyond.name);
+        return Err(Flaw::malformed("channels within the record, whose length the group says", found));
+    }
+    let is_of_other = |name: &str| OTHER_BUSES.iter().any(|other| name.starts_with(other));
+    let is_known = |channel: &Channel| kind_of(&channel.name).is_some() || is_of_other(&channel.name);
+    let has_time = channels.iter().any(Channel::is_master);
+    if flags & OF_BUS == 0 || has_time && channels.iter().any(is_known) {
+        return Ok(channels);
+    }
+    let named = channels.iter().map(|channel| channel.name.as_str()).find(|name| name.contains('.'));
+    let found = named.unwrap_or("channels without time or name").to_owned();
+    Err(Flaw::malformed("frames of a known bus with their time, as the group says", found))
+}
+
+/// The kind of frames to which a channel with this name belongs.
+fn kind_of(name: &str) -> Option<Kind> {
+    match name.split('.').next() {
         Some("CAN_DataFrame") => Some(Kind::Data),
         Some("CAN_RemoteFrame") => Some(Kind::Remote),
         Some("CAN_ErrorFrame") => Some(Kind::Error),
         _ => None,
-    };
+    }
+}
+
+/// The channels of frames among all channels of a group; `None` if the records are no frames, or have no time.
+fn frames(file: &[u8], channels: Vec<Channel>) -> Option<Frames<'_>> {
     let kind = channels.iter().find_map(|channel| kind_of(&channel.name))?;
     let time = channels.iter().find(|channel| channel.is_master())?.clone();
     let of_frame = channels.into_iter().filter(|channel| kind_of(&channel.name) == Some(kind));
@@ -102,9 +146,11 @@ fn frames(file: &[u8], channels: Vec<Channel>) -> Option<Frames<'_>> {
 const DATA_BYTES: &str = "DataBytes";
 
 impl Frames<'_> {
-    /// The time of a record in nanoseconds since the start of the measurement.
-    fn time(&self, record: &[u8]) -> Result<u64, Flaw> {
-        self.time.nanoseconds(record).ok_or_else(|| Flaw::malformed("a time from the start on", "another one"))
+    /// The time of a record that counts from `start`.
+    fn time(&self, record: &[u8], start: Timestamp) -> Result<Timestamp, Flaw> {
+        let since = self.time.nanoseconds(record);
+        let time = since.and_then(|since| start.nanos().checked_add_signed(since)).map(Timestamp);
+        time.ok_or_else(|| Flaw::malformed(LATEST, format!("{since:?} ns after the start")))
     }
 
     fn number(&self, name: &str, record: &[u8]) -> Option<u64> {
@@ -120,9 +166,10 @@ impl Frames<'_> {
         self.number("BusChannel", record).unwrap_or(1)
     }
 
-    /// The frame of a record, with time and direction. `values`: the values of variable length of each group.
-    pub fn record(&self, record: &[u8], values: &BTreeMap<u64, Vec<u8>>) -> Result<Record, Flaw> {
-        let time = Timestamp(self.time(record)?);
+    /// The frame of a record, with time and direction. `start`: the start of the measurement. `values`: the values of
+    /// variable length of each group.
+    pub fn record(&self, record: &[u8], start: Timestamp, values: &BTreeMap<u64, Vec<u8>>) -> Result<Record, Flaw> {
+        let time = self.time(record, start)?;
         let direction = match self.number("Dir", record) {
             Some(0) => Direction::Rx,
             Some(1) => Direction::Tx,

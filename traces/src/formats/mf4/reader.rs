@@ -1,10 +1,9 @@
 //! Reads MF4: the whole file at first, then frame after frame.
 
-use super::block::{Block, chain};
+use super::block::{Block, Survey, chain, survey};
 use super::data::content;
 use super::group::{Group, groups, value};
 use crate::damage::Flaw;
-use crate::formats::asc::LATEST;
 use crate::{Channels, Damage, DamageKind, Place, ReadOptions, Reader, Record, Source, TimeBase, Timestamp};
 use nom::bytes::complete::{tag, take};
 use nom::number::complete::{le_u16, le_u64, u8};
@@ -55,8 +54,10 @@ struct Items {
     start: u64,
     /// Number of groups of records that are no frames.
     others: u64,
-    /// Whether the file ends before its records.
+    /// Whether the file ends too early, or was not finished: then its counts say nothing.
     is_cut: bool,
+    /// Number of data groups and of channel groups to which links lead.
+    found: [usize; 2],
     number: u64,
 }
 
@@ -91,6 +92,8 @@ fn unfinished(i: &[u8]) -> IResult<&[u8], u16> {
 
 impl Items {
     fn read(&mut self, file: &[u8]) {
+        let Survey { is_cut, data_groups, groups } = survey(file, HEADER);
+        self.is_cut = is_cut || unfinished(file).is_ok_and(|(_, flags)| flags != 0);
         let fatal = self.data_groups(file).err();
         // Records of one group are in their order; others lie between them.
         if !self.rows.is_sorted_by_key(time) {
@@ -107,7 +110,15 @@ impl Items {
             let expected = "a group of CAN frames, as ASAM MDF bus logging has it";
             self.rows.push(Err(Damage::new(DamageKind::Unsupported, end, expected, found.as_bytes())));
         }
-        if self.is_cut || unfinished(file).is_ok_and(|(_, flags)| flags != 0) {
+        let unlinked = [data_groups, groups].into_iter().zip(self.found).find(|(there, found)| there > found);
+        if let Some((there, found)) = unlinked {
+            let flaw = Flaw::malformed(
+                format!("{there} groups, as many as the file has, which its header says"),
+                found.to_string(),
+            );
+            self.damage(flaw, HEADER);
+        }
+        if self.is_cut {
             self.rows.push(Err(Damage::new(DamageKind::Unfinished, end, "a file that its recorder has finished", b"")));
         }
     }
@@ -127,6 +138,7 @@ impl Items {
         self.start = start;
         for group in chain(file, header.link(0), b"DG") {
             let group = group.map_err(at(HEADER))?;
+            self.found[0] += 1;
             if let Err(flaw) = self.records(file, &group) {
                 self.damage(flaw, group.offset);
             }
@@ -137,6 +149,7 @@ impl Items {
     /// Reads the records of a data group.
     fn records(&mut self, file: &[u8], data_group: &Block<'_>) -> Result<(), Flaw> {
         let groups = groups(file, data_group)?;
+        self.found[1] += groups.len();
         self.others += groups.iter().filter(|(_, group)| group.frames.is_none() && !group.is_of_values).count() as u64;
         if groups.iter().all(|(_, group)| group.frames.is_none()) {
             return Ok(());
@@ -149,8 +162,20 @@ impl Items {
             other => return Err(Flaw::malformed("numbers of groups of 0, 1, 2, 4 or 8 bytes", format!("{other:?}"))),
         };
         let offset = data_group.link(2).unwrap_or(data_group.offset);
+        for (_, group) in &groups {
+            let of_group = split.records.iter().filter(|(other, _)| std::ptr::eq(*other, group)).count() as u64;
+            if !self.is_cut && of_group != group.count && group.frames.is_some() {
+                let flaw = Flaw::malformed(format!("{} records, as the group says", group.count), of_group.to_string());
+                self.damage(flaw, offset);
+            }
+        }
+        let mut left: BTreeMap<u64, u64> = groups.iter().map(|(_, group)| (group.id, self.most(group))).collect();
         for (group, record) in split.records {
-            self.frame(group, record, &split.values, offset);
+            // A damaged link may lead to the records of another group.
+            if let Some(left) = left.get_mut(&group.id).filter(|left| **left > 0) {
+                *left -= 1;
+                self.frame(group, record, &split.values, offset);
+            }
         }
         if let Some(flaw) = split.flaw.filter(|_| content.flaw.is_none() && !self.is_cut) {
             self.damage(flaw, offset);
@@ -161,16 +186,19 @@ impl Items {
         Ok(())
     }
 
+    /// Maximum number of records of a group: as many as it says, unless the recorder did not come to say it.
+    const fn most(&self, group: &Group<'_>) -> u64 {
+        if self.is_cut || group.count == 0 { u64::MAX } else { group.count }
+    }
+
     fn frame(&mut self, group: &Group<'_>, record: &[u8], values: &BTreeMap<u64, Vec<u8>>, offset: u64) {
         let Some(frames) = &group.frames else { return };
         self.number += 1;
         let place = Place { number: self.number, offset };
-        let made = frames.record(record, values).and_then(|mut made| {
-            let latest = || Flaw::malformed(LATEST, made.timestamp.to_string());
-            made.timestamp = Timestamp(self.start).after(made.timestamp.nanos()).ok_or_else(latest)?;
+        let made = frames.record(record, Timestamp(self.start), values).map(|mut made| {
             made.channel = self.channels.intern(&frames.bus(record).to_string());
             made.place = place;
-            Ok(made)
+            made
         });
         self.rows.push(made.map_err(|flaw| flaw.damage(place)));
     }

@@ -38,8 +38,15 @@ impl File {
         self.block(b"CN", &[next, 0, name, 0, 0, values, 0, 0], &data)
     }
 
-    fn group(&mut self, next: u64, channels: u64, id: u64, flags: u16, length: u32) -> u64 {
-        let head = [&id.to_le_bytes()[..], &[0; 8], &flags.to_le_bytes(), &[0; 6], &length.to_le_bytes(), &[0; 4]];
+    fn group(&mut self, next: u64, channels: u64, id: u64, flags: u16, [count, length]: [u32; 2]) -> u64 {
+        let head = [
+            &id.to_le_bytes()[..],
+            &u64::from(count).to_le_bytes(),
+            &flags.to_le_bytes(),
+            &[0; 6],
+            &length.to_le_bytes(),
+            &[0; 4],
+        ];
         self.block(b"CG", &[next, channels, 0, 0, 0, 0], &head.concat())
     }
 
@@ -82,9 +89,9 @@ fn value(bytes: &[u8]) -> Vec<u8> {
 #[test]
 fn values_of_variable_length_in_a_group_of_their_own() {
     let mut file = File::new(b"MDF     ", 0);
-    let values = file.group(0, 0, 2, 1, 0);
+    let values = file.group(0, 0, 2, 1, [2, 0]);
     let channels = file.frame_channels(values);
-    let frames = file.group(values, channels, 1, 2, 21);
+    let frames = file.group(values, channels, 1, 2, [2, 21]);
     let records = [
         &[2][..],
         &value(&[0x40, 0, 0x10]),
@@ -108,7 +115,7 @@ fn values_of_variable_length_in_a_block() {
     let values = file.block(b"SD", &[], &[value(&[1, 2]), value(&[3])].concat());
     let list = file.block(b"DL", &[0, values], &[0; 24]);
     let channels = file.frame_channels(list);
-    let frames = file.group(0, channels, 0, 2, 21);
+    let frames = file.group(0, channels, 0, 2, [3, 21]);
     let records = [record(0.0, 0x181, 2, 0), record(0.1, 0x181, 1, 6), record(0.2, 0x181, 1, 99)];
     let records = file.block(b"DT", &[], &records.concat());
     file.data_group(frames, records, 0);
@@ -123,7 +130,7 @@ fn a_file_that_was_not_finished_is_read_to_its_end() {
     let mut file = File::new(b"UnFinMF ", 4);
     let values = file.block(b"SD", &[], &value(&[7]));
     let channels = file.frame_channels(values);
-    let frames = file.group(0, channels, 0, 2, 21);
+    let frames = file.group(0, channels, 0, 2, [0, 21]);
     let records = file.0.len() as u64 + 56;
     file.data_group(frames, records, 0);
     assert_eq!(file.block(b"DT", &[], &[]), records);
@@ -138,7 +145,7 @@ fn what_is_no_frame_is_told() {
     let mut signals = File::new(b"MDF     ", 0);
     let speed = signals.channel(0, "Speed", [0, 0, 0, 0], 8, 16, 0);
     let channels = signals.channel(speed, "t", [2, 1, 4, 0], 0, 64, 0);
-    let group = signals.group(0, channels, 0, 0, 10);
+    let group = signals.group(0, channels, 0, 0, [2, 10]);
     let records = signals.block(b"DT", &[], &[0; 20]);
     signals.data_group(group, records, 0);
     let (frames, damages) = signals.read();
@@ -147,7 +154,7 @@ fn what_is_no_frame_is_told() {
 
     let mut unknown = File::new(b"MDF     ", 0);
     let channels = unknown.frame_channels(0);
-    let group = unknown.group(0, channels, 1, 2, 21);
+    let group = unknown.group(0, channels, 1, 2, [0, 21]);
     let records = unknown.block(b"DT", &[], &[9, 0, 0]);
     unknown.data_group(group, records, 1);
     let (frames, damages) = unknown.read();
