@@ -110,6 +110,11 @@ impl Flaw {
         Self { kind: DamageKind::Unsupported, expected: expected.into(), found: found.into() }
     }
 
+    /// The flaw of something without which a larger part of the file can't be read.
+    pub(crate) fn costing(self, part: &str) -> Self {
+        Self { expected: format!("{}, without which {part} can't be read", self.expected).into(), ..self }
+    }
+
     pub(crate) fn damage(self, place: Place) -> Damage {
         Damage::new(self.kind, place, self.expected, self.found.as_bytes())
     }

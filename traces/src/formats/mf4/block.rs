@@ -121,7 +121,8 @@ pub(super) fn survey(file: &[u8], first: u64) -> Survey {
     while at < end {
         let Ok(block) = Block::read(file, at) else {
             let rest = usize::try_from(at).ok().and_then(|at| file.get(at..)).unwrap_or_default();
-            survey.is_cut |= rest.len() < HEADER as usize && rest.iter().any(|byte| *byte != 0);
+            survey.is_cut |=
+                rest.starts_with(b"##") || rest.len() < HEADER as usize && rest.iter().any(|byte| *byte != 0);
             return survey;
         };
         survey.is_cut |= block.is_cut || block.links().any(|link| link >= end);

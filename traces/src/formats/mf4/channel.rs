@@ -33,6 +33,8 @@ const VIRTUAL_MASTER: u8 = 3;
 const LINEAR: u8 = 1;
 const FLOATS: [u8; 2] = [4, 5];
 const BIG_ENDIAN: [u8; 3] = [1, 3, 5];
+/// The last bit of a byte.
+const LAST_BIT: u8 = 7;
 /// Widest number, in bits.
 const WIDEST: u32 = 64;
 
@@ -85,6 +87,9 @@ impl Channel {
         let Ok((_, (kind, _, encoding, bit_offset, byte_offset, bit_count))) = place(block.data) else {
             return Err(Flaw::malformed("a whole channel", format!("{} bytes", block.data.len())));
         };
+        if bit_offset > LAST_BIT {
+            return Err(Flaw::malformed("a bit of a byte, 0 to 7", bit_offset.to_string()));
+        }
         let conversion = block.link(4).map(|offset| Block::expect(file, offset, b"CC")).transpose()?;
         let linear = conversion.and_then(|block| linear(block.data).ok()).filter(|(_, (kind, ..))| *kind == LINEAR);
         Ok(Self {

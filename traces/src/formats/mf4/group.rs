@@ -93,6 +93,9 @@ fn group<'a>(file: &'a [u8], block: &Block<'a>) -> Result<(u64, Group<'a>), Flaw
         return Err(Flaw::malformed("a whole channel group", format!("{} bytes", block.data.len())));
     };
     let is_of_values = flags & OF_VALUES != 0;
+    if is_of_values && block.link(1).is_some() {
+        return Err(Flaw::malformed("a group of values, which has no channels", "one with channels"));
+    }
     let length = lengths.iter().map(|length| *length as usize).sum();
     let frames = match is_of_values {
         true => None,

@@ -54,7 +54,9 @@ struct Items {
     start: u64,
     /// Number of groups of records that are no frames.
     others: u64,
-    /// Whether the file ends too early, or was not finished: then its counts say nothing.
+    /// Whether the recorder did not finish the file, so that its counts say nothing.
+    is_unfinished: bool,
+    /// Whether the file ends too early.
     is_cut: bool,
     /// Number of data groups and of channel groups to which links lead.
     found: [usize; 2],
@@ -93,7 +95,8 @@ fn unfinished(i: &[u8]) -> IResult<&[u8], u16> {
 impl Items {
     fn read(&mut self, file: &[u8]) {
         let Survey { is_cut, data_groups, groups } = survey(file, HEADER);
-        self.is_cut = is_cut || unfinished(file).is_ok_and(|(_, flags)| flags != 0);
+        self.is_unfinished = unfinished(file).is_ok_and(|(_, flags)| flags != 0);
+        self.is_cut = is_cut || self.is_unfinished;
         let fatal = self.data_groups(file).err();
         // Records of one group are in their order; others lie between them.
         if !self.rows.is_sorted_by_key(time) {
@@ -140,7 +143,7 @@ impl Items {
             let group = group.map_err(at(HEADER))?;
             self.found[0] += 1;
             if let Err(flaw) = self.records(file, &group) {
-                self.damage(flaw, group.offset);
+                self.damage(flaw.costing("the records of this data group"), group.offset);
             }
         }
         Ok(())
@@ -188,7 +191,7 @@ impl Items {
 
     /// Maximum number of records of a group: as many as it says, unless the recorder did not come to say it.
     const fn most(&self, group: &Group<'_>) -> u64 {
-        if self.is_cut || group.count == 0 { u64::MAX } else { group.count }
+        if self.is_unfinished { u64::MAX } else { group.count }
     }
 
     fn frame(&mut self, group: &Group<'_>, record: &[u8], values: &BTreeMap<u64, Vec<u8>>, offset: u64) {

@@ -104,7 +104,7 @@ fn values_of_variable_length_in_a_group_of_their_own() {
     ];
     let records = file.block(b"DT", &[], &records.concat());
     file.data_group(frames, records, 1);
-    let shown = ["1700000000.500000 00000705#05".to_owned(), "1700000001.000000 605#400010".to_owned()];
+    let shown = ["1700000000.500000000 00000705#05".to_owned(), "1700000001.000000000 605#400010".to_owned()];
     let (frames, damages) = file.read();
     assert_eq!((frames, damages), (shown.to_vec(), Vec::new()), "in the order of time");
 }
@@ -120,7 +120,7 @@ fn values_of_variable_length_in_a_block() {
     let records = file.block(b"DT", &[], &records.concat());
     file.data_group(frames, records, 0);
     let (frames, damages) = file.read();
-    assert_eq!(frames, ["1700000000.000000 181#0102", "1700000000.100000 181#03"]);
+    assert_eq!(frames, ["1700000000.000000000 181#0102", "1700000000.100000000 181#03"]);
     assert_eq!(damages.len(), 1, "{damages:?}");
     assert!(damages[0].contains("a place among the values") && damages[0].contains("99"), "{damages:?}");
 }
@@ -131,12 +131,12 @@ fn a_file_that_was_not_finished_is_read_to_its_end() {
     let values = file.block(b"SD", &[], &value(&[7]));
     let channels = file.frame_channels(values);
     let frames = file.group(0, channels, 0, 2, [0, 21]);
-    let records = file.0.len() as u64 + 56;
+    let records = file.0.len() as u64 + 64;
     file.data_group(frames, records, 0);
     assert_eq!(file.block(b"DT", &[], &[]), records);
     file.0.extend([record(0.0, 0x705, 1, 0), record(0.1, 0x705, 1, 0), vec![0; 5]].concat());
     let (frames, damages) = file.read();
-    assert_eq!(frames, ["1700000000.000000 705#07", "1700000000.100000 705#07"]);
+    assert_eq!(frames, ["1700000000.000000000 705#07", "1700000000.100000000 705#07"]);
     assert!(damages.iter().any(|damage| damage.starts_with("unfinished file")), "{damages:?}");
 }
 
