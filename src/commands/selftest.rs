@@ -18,7 +18,7 @@ use canvass_traces::Duration;
 
 /// Number of exchanges within which the fuzzer has to find each fault: how many it takes does not depend on the speed of
 /// this computer.
-const MOST_EXCHANGES: u64 = 1_000_000;
+const MOST_EXCHANGES: u64 = 10_000_000;
 
 /// Test the tester: run the cases against firmware with known faults
 ///
@@ -61,7 +61,7 @@ pub struct Args {
     /// With --fuzz: number of seeds
     #[arg(long, value_name = "N", default_value_t = 5, requires = "fuzz")]
     seeds: u64,
-    /// With --fuzz: time limit of each seed for finding a fault (default: a million exchanges in place of a time)
+    /// With --fuzz: time limit of each seed for finding a fault (default: ten million exchanges in place of a time)
     #[arg(long = "within", value_name = "SPAN", value_parser = parse_span, requires = "fuzz")]
     within: Option<Duration>,
     /// How to print the matrix
