@@ -38,9 +38,25 @@ const LAST_BIT: u8 = 7;
 /// Widest number, in bits.
 const WIDEST: u32 = 64;
 
+struct ValuePlace {
+    kind: u8,
+    encoding: u8,
+    bit_offset: u8,
+    byte_offset: u32,
+    bit_count: u32,
+}
+
 /// Parses type, kind of synchronisation, encoding, bit offset, byte offset, number of bits.
-fn place(i: &[u8]) -> IResult<&[u8], (u8, u8, u8, u8, u32, u32)> {
-    (u8, u8, u8, u8, le_u32, le_u32).parse(i)
+fn place(i: &[u8]) -> IResult<&[u8], ValuePlace> {
+    (u8, u8, u8, u8, le_u32, le_u32)
+        .map(|(kind, _, encoding, bit_offset, byte_offset, bit_count)| ValuePlace {
+            kind,
+            encoding,
+            bit_offset,
+            byte_offset,
+            bit_count,
+        })
+        .parse(i)
 }
 
 /// Parses a linear conversion: type, precision, flags, numbers of references and of values, range, offset and factor.
@@ -84,7 +100,7 @@ fn text(file: &[u8], link: Option<u64>) -> Result<String, Flaw> {
 
 impl Channel {
     fn read(file: &[u8], block: &Block<'_>) -> Result<Self, Flaw> {
-        let Ok((_, (kind, _, encoding, bit_offset, byte_offset, bit_count))) = place(block.data) else {
+        let Ok((_, ValuePlace { kind, encoding, bit_offset, byte_offset, bit_count })) = place(block.data) else {
             return Err(Flaw::malformed("a whole channel", format!("{} bytes", block.data.len())));
         };
         if bit_offset > LAST_BIT {
