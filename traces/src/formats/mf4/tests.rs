@@ -67,7 +67,7 @@ impl File {
         let mut capture = Capture::from_source("test", Source::from_bytes(self.0), &ReadOptions::default()).unwrap();
         assert_eq!(capture.format(), Format::Mf4);
         let (mut frames, mut damages) = (Vec::new(), Vec::new());
-        while let Some(item) = capture.next() {
+        for item in capture.by_ref() {
             match item {
                 Ok(record) => frames.push(format!("{} {}", record.timestamp, record.frame)),
                 Err(damage) => damages.push(damage.to_string()),
