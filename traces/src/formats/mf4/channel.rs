@@ -1,9 +1,9 @@
 //! Channels: the place of a value in a record, and its conversion.
 
 use super::block::{Block, chain};
+use super::conversion::Conversion;
 use crate::damage::Flaw;
-use nom::bytes::complete::take;
-use nom::number::complete::{le_f64, le_u16, le_u32, u8};
+use nom::number::complete::{le_u32, u8};
 use nom::{IResult, Parser};
 
 /// Number of levels of members in members; frames have one.
@@ -21,16 +21,16 @@ pub(super) struct Channel {
     bit_offset: u8,
     byte_offset: u32,
     bit_count: u32,
-    /// Offset and factor of the physical value.
-    linear: Option<[f64; 2]>,
+    conversion: Conversion,
     /// The block with the values, if these have variable lengths.
     pub values: Option<u64>,
 }
 
 const VARIABLE_LENGTH: u8 = 1;
 const MASTER: u8 = 2;
+/// Kinds of channels without a place in the record: their value is all in the conversion.
 const VIRTUAL_MASTER: u8 = 3;
-const LINEAR: u8 = 1;
+const VIRTUAL: u8 = 6;
 const FLOATS: [u8; 2] = [4, 5];
 const BIG_ENDIAN: [u8; 3] = [1, 3, 5];
 /// The last bit of a byte.
@@ -57,15 +57,6 @@ fn place(i: &[u8]) -> IResult<&[u8], ValuePlace> {
             bit_count,
         })
         .parse(i)
-}
-
-/// Parses a linear conversion: type, precision, flags, numbers of references and of values, range, offset and factor.
-fn linear(i: &[u8]) -> IResult<&[u8], (u8, f64, f64)> {
-    let (i, (kind, _, _, _, count, _)) = (u8, u8, le_u16, le_u16, le_u16, take(16usize)).parse(i)?;
-    if kind != LINEAR || count < 2 {
-        return Ok((i, (kind, 0.0, 1.0)));
-    }
-    (le_f64, le_f64).map(|(offset, factor)| (kind, offset, factor)).parse(i)
 }
 
 /// All channels of a group, and their members.
@@ -107,7 +98,7 @@ impl Channel {
             return Err(Flaw::malformed("a bit of a byte, 0 to 7", bit_offset.to_string()));
         }
         let conversion = block.link(4).map(|offset| Block::expect(file, offset, b"CC")).transpose()?;
-        let linear = conversion.and_then(|block| linear(block.data).ok()).filter(|(_, (kind, ..))| *kind == LINEAR);
+        let conversion = conversion.map_or(Ok(Conversion::None), |block| Conversion::read(block.data))?;
         Ok(Self {
             name: text(file, block.link(2))?,
             kind,
@@ -115,7 +106,7 @@ impl Channel {
             bit_offset,
             byte_offset,
             bit_count,
-            linear: linear.map(|(_, (_, offset, factor))| [offset, factor]),
+            conversion,
             values: block.link(5),
         })
     }
@@ -123,7 +114,7 @@ impl Channel {
     /// Whether a record of `length` bytes has the whole value.
     pub const fn fits(&self, length: usize) -> bool {
         let bits = self.bit_offset as u64 + self.bit_count as u64;
-        matches!(self.kind, VIRTUAL_MASTER) || self.byte_offset as u64 + bits.div_ceil(8) <= length as u64
+        matches!(self.kind, VIRTUAL_MASTER | VIRTUAL) || self.byte_offset as u64 + bits.div_ceil(8) <= length as u64
     }
 
     /// Whether the channel is the time of the group.
@@ -136,8 +127,16 @@ impl Channel {
         self.kind == VARIABLE_LENGTH
     }
 
-    /// The number in a record, without conversion; `None` if the record is too short.
+    /// The converted number in a record; `None` if the record is too short.
     pub fn number(&self, record: &[u8]) -> Option<u64> {
+        self.raw(record).map(|raw| self.conversion.whole(raw))
+    }
+
+    /// The number in a record, without conversion.
+    fn raw(&self, record: &[u8]) -> Option<u64> {
+        if self.kind == VIRTUAL {
+            return Some(0);
+        }
         if self.bit_count == 0 || self.bit_count > WIDEST {
             return None;
         }
@@ -160,8 +159,8 @@ impl Channel {
     /// A time in seconds as nanoseconds. A recording that was made of an older one has times before its start.
     pub fn nanoseconds(&self, record: &[u8]) -> Option<i64> {
         const SECOND: f64 = 1e9;
-        let raw = self.number(record)?;
-        let [offset, factor] = self.linear.unwrap_or([0.0, 1.0]);
+        let raw = self.raw(record)?;
+        let [offset, factor] = self.conversion.linear();
         let unit = (factor * SECOND).round();
         if !FLOATS.contains(&self.encoding) && offset == 0.0 && unit >= 1.0 && (factor * SECOND - unit).abs() < 1e-3 {
             return raw.checked_mul(unit as u64).and_then(|time| i64::try_from(time).ok());
@@ -188,7 +187,7 @@ mod tests {
             bit_offset,
             byte_offset,
             bit_count,
-            linear: None,
+            conversion: Conversion::None,
             values: None,
         }
     }
@@ -211,10 +210,10 @@ mod tests {
         assert_eq!(seconds.nanoseconds(&(-1.0f64).to_le_bytes()), Some(-1_000_000_000));
         assert_eq!(seconds.nanoseconds(&1e300f64.to_le_bytes()), None);
         assert_eq!(seconds.nanoseconds(&f64::NAN.to_le_bytes()), None);
-        let ticks = Channel { linear: Some([0.0, 1e-9]), ..channel(0, 0, 0, 64) };
+        let ticks = Channel { conversion: Conversion::Linear([0.0, 1e-9]), ..channel(0, 0, 0, 64) };
         let exact = 9_007_199_254_740_993_i64;
         assert_eq!(ticks.nanoseconds(&exact.to_le_bytes()), Some(exact), "more digits than a float has");
-        let coarse = Channel { linear: Some([0.5, 1e-6]), ..channel(0, 0, 0, 32) };
+        let coarse = Channel { conversion: Conversion::Linear([0.5, 1e-6]), ..channel(0, 0, 0, 32) };
         assert_eq!(coarse.nanoseconds(&[1, 0, 0, 0]), Some(500_001_000));
     }
 }

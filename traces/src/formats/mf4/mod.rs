@@ -20,6 +20,7 @@
 
 mod block;
 mod channel;
+mod conversion;
 mod data;
 mod group;
 mod reader;

@@ -1,7 +1,7 @@
 //! Files of kinds that python-can does not write: several groups in a data group, values of variable length, files that
 //! were not finished.
 
-use crate::{Capture, Format, ReadOptions, Reader, Source, TimeBase};
+use crate::{Capture, Direction, Format, ReadOptions, Reader, Source, TimeBase};
 
 /// A file, block after block.
 struct File(Vec<u8>);
@@ -32,10 +32,34 @@ impl File {
 
     /// A channel before `next`, with its values.
     fn channel(&mut self, next: u64, name: &str, kind: [u8; 4], byte: u32, bits: u32, values: u64) -> u64 {
+        self.converted(next, name, kind, [byte, bits], [0, values])
+    }
+
+    /// A channel without a place in the record, whose value is a constant.
+    fn constant(&mut self, next: u64, name: &str, value: f64) -> u64 {
+        let conversion = self.conversion(1, &[value, 0.0]);
+        self.converted(next, name, [6, 0, 0, 0], [0, 0], [conversion, 0])
+    }
+
+    fn conversion(&mut self, kind: u8, values: &[f64]) -> u64 {
+        let head = [&[kind, 0, 0, 0, 0, 0][..], &(values.len() as u16).to_le_bytes(), &[0; 16]].concat();
+        let values: Vec<u8> = values.iter().flat_map(|value| value.to_le_bytes()).collect();
+        self.block(b"CC", &[0; 4], &[head, values].concat())
+    }
+
+    /// A channel before `next`, with its conversion and its values.
+    fn converted(
+        &mut self,
+        next: u64,
+        name: &str,
+        kind: [u8; 4],
+        [byte, bits]: [u32; 2],
+        [conversion, values]: [u64; 2],
+    ) -> u64 {
         let text = [name.as_bytes(), &[0]].concat();
         let name = self.block(b"TX", &[], &text);
         let data = [&kind[..], &byte.to_le_bytes(), &bits.to_le_bytes(), &[0; 60]].concat();
-        self.block(b"CN", &[next, 0, name, 0, 0, values, 0, 0], &data)
+        self.block(b"CN", &[next, 0, name, 0, conversion, values, 0, 0], &data)
     }
 
     fn group(&mut self, next: u64, channels: u64, id: u64, flags: u16, [count, length]: [u32; 2]) -> u64 {
@@ -123,6 +147,30 @@ fn values_of_variable_length_in_a_block() {
     assert_eq!(frames, ["1700000000.000000000 181#0102", "1700000000.100000000 181#03"]);
     assert_eq!(damages.len(), 1, "{damages:?}");
     assert!(damages[0].contains("a place among the values") && damages[0].contains("99"), "{damages:?}");
+}
+
+/// Loggers have a group for each bus and kind of frames, so that bus, bits of the identifier, direction and CAN FD are
+/// constants. The length is a table of the data length code.
+#[test]
+fn properties_that_all_records_of_a_group_share() {
+    let mut file = File::new(b"MDF     ", 0);
+    let values = file.block(b"SD", &[], &value(&[7; 12]));
+    let mut channels = file.channel(0, "CAN_DataFrame.DataBytes", [1, 0, 10, 0], 13, 64, values);
+    for (name, constant) in [("IDE", 1.0), ("EDL", 1.0), ("BRS", 0.0), ("Dir", 1.0), ("BusChannel", 2.0)] {
+        channels = file.constant(channels, &format!("CAN_DataFrame.{name}"), constant);
+    }
+    let lengths = file.conversion(5, &[8.0, 8.0, 9.0, 12.0, 10.0, 16.0]);
+    channels = file.converted(channels, "CAN_DataFrame.DataLength", [0; 4], [12, 8], [lengths, 0]);
+    channels = file.channel(channels, "CAN_DataFrame.DLC", [0; 4], 12, 8, 0);
+    channels = file.channel(channels, "CAN_DataFrame.ID", [0; 4], 8, 29, 0);
+    channels = file.channel(channels, "t", [2, 1, 4, 0], 0, 64, 0);
+    let frames = file.group(0, channels, 0, 2, [1, 21]);
+    let records = file.block(b"DT", &[], &record(0.0, 0x123, 9, 0));
+    file.data_group(frames, records, 0);
+    let mut capture = Capture::from_source("test", Source::from_bytes(file.0), &ReadOptions::default()).unwrap();
+    let record = capture.next().unwrap().unwrap();
+    assert_eq!(record.frame.to_string(), "00000123##4070707070707070707070707");
+    assert_eq!((record.direction, capture.channels().name(record.channel)), (Direction::Tx, "2"));
 }
 
 #[test]
