@@ -207,6 +207,7 @@ WRITERS = {
     "trc": python_can_writer("TRCWriter"),
     "csv": python_can_writer("CSVWriter"),
     "blf": python_can_writer("BLFWriter"),
+    "mf4": python_can_writer("MF4Writer"),
     "mcap-zstd": mcap_writer("ZSTD"),
     "mcap-lz4": mcap_writer("LZ4"),
     "mcap-plain": mcap_writer("NONE"),

@@ -136,6 +136,12 @@ fn python_can_writes_csv() {
     writes("csv", Format::PythonCanCsv, losses, &[]);
 }
 
+/// python-can writes a group of records each for data, remote and error frames.
+#[test]
+fn python_can_writes_mf4() {
+    writes("mf4", Format::Mf4, &[numbered, no_error_detail, received_or_sent], &[]);
+}
+
 #[test]
 fn python_can_writes_blf() {
     writes("blf", Format::Blf, &[numbered, received_or_sent, no_direction_of_errors], &[]);

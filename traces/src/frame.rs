@@ -99,7 +99,7 @@ impl ErrorClass {
 }
 
 impl Frame {
-    /// SocketCAN's flag of error frames in an identifier (`CAN_ERR_FLAG`).
+    /// The bit of an identifier that marks an error frame in SocketCAN (`CAN_ERR_FLAG`).
     pub(crate) const ERROR_FLAG: u32 = 0x2000_0000;
     /// Maximum number of payload bytes inside a frame.
     pub(crate) const INLINE: usize = 16;
@@ -267,8 +267,8 @@ impl Frame {
         matches!(self.kind, FrameKind::Error)
     }
 
-    /// The number that SocketCAN's tools print for the identifier. An error frame has the bits of its class, with the flag
-    /// of error frames (`CAN_ERR_FLAG`).
+    /// The number that SocketCAN's tools print in place of the identifier. For an error frame it consists of the class bits
+    /// and the bit `CAN_ERR_FLAG`.
     pub const fn printed_id(&self) -> u32 {
         match self.error_class() {
             Some(class) => Self::ERROR_FLAG | class.0,

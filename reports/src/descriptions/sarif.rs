@@ -1,7 +1,7 @@
 //! SARIF 2.1.0, which code hosts and editors show beside the lines.
 
 use super::{CheckedFile, Located, LocatedEdit};
-use crate::document::sarif::{SCHEMA, VERSION, uri};
+use crate::document::sarif::{log, uri};
 use canvass_analyzer::dictionary::{Rule, Severity, rules};
 use serde_json::{Value, json};
 
@@ -9,19 +9,9 @@ use serde_json::{Value, json};
 pub fn document(files: &[CheckedFile]) -> Value {
     let results: Vec<Value> =
         files.iter().flat_map(|file| file.findings.iter().map(|located| result(file, located))).collect();
-    json!({
-        "$schema": SCHEMA,
-        "version": VERSION,
-        "runs": [{
-            "tool": { "driver": {
-                "name": "canvass",
-                "version": env!("CARGO_PKG_VERSION"),
-                "rules": rules::all().map(rule).collect::<Vec<_>>(),
-            } },
-            "columnKind": "unicodeCodePoints",
-            "results": results,
-        }],
-    })
+    let mut log = log(&rules::all().map(rule).collect::<Vec<_>>(), &results);
+    log["runs"][0]["columnKind"] = json!("unicodeCodePoints");
+    log
 }
 
 const fn level(severity: Severity) -> &'static str {

@@ -146,10 +146,10 @@ impl Case {
 }
 
 impl Problem {
-    /// The kind of a violation that did not come back.
+    /// The kind of a violation that no repetition has shown again.
     pub(crate) const SEEN_ONCE: &'static str = "violation seen once";
 
-    /// Whether the tested object is known to have the problem. What was seen once may have been a disturbance.
+    /// Whether the problem is confirmed. A violation that was seen only once may come from a disturbance.
     pub(crate) fn is_certain(&self) -> bool {
         self.kind != Self::SEEN_ONCE
     }

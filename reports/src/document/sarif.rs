@@ -11,9 +11,17 @@ use std::collections::BTreeSet;
 use std::fmt::Write as _;
 use std::io::{self, Write};
 
-/// Address of the schema of a document.
-pub(crate) const SCHEMA: &str = "https://json.schemastore.org/sarif-2.1.0.json";
-pub(crate) const VERSION: &str = "2.1.0";
+/// A log with one run of canvass: its rules, and a result for each problem.
+pub(crate) fn log(rules: &[Value], results: &[Value]) -> Value {
+    json!({
+        "$schema": "https://json.schemastore.org/sarif-2.1.0.json",
+        "version": "2.1.0",
+        "runs": [{
+            "tool": { "driver": { "name": "canvass", "version": env!("CARGO_PKG_VERSION"), "rules": rules } },
+            "results": results,
+        }],
+    })
+}
 
 /// Writes the cases that did not pass.
 ///
@@ -22,22 +30,12 @@ pub(crate) const VERSION: &str = "2.1.0";
 pub(super) fn render(document: &Document, out: &mut dyn Write) -> io::Result<()> {
     let failed: Vec<(&Case, &Problem, &str)> =
         document.suites.iter().flat_map(super::junit::Suite::cases).filter_map(failed).collect();
-    let rules: BTreeSet<String> = failed.iter().map(|(case, ..)| rule_id(case)).collect();
+    let ids: BTreeSet<String> = failed.iter().map(|(case, ..)| rule_id(case)).collect();
+    let rules: Vec<Value> = ids.iter().map(|id| json!({ "id": id })).collect();
     let results: Vec<Value> =
         failed.iter().map(|(case, problem, level)| result(document, case, problem, level)).collect();
-    let sarif = json!({
-        "$schema": SCHEMA,
-        "version": VERSION,
-        "runs": [{
-            "tool": { "driver": {
-                "name": "canvass",
-                "version": env!("CARGO_PKG_VERSION"),
-                "rules": rules.iter().map(|id| json!({ "id": id })).collect::<Vec<_>>(),
-            } },
-            "automationDetails": { "id": format!("canvass/{}", document.command) },
-            "results": results,
-        }],
-    });
+    let mut sarif = log(&rules, &results);
+    sarif["runs"][0]["automationDetails"] = json!({ "id": format!("canvass/{}", document.command) });
     serde_json::to_writer_pretty(&mut *out, &sarif)?;
     writeln!(out)
 }

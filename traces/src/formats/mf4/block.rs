@@ -82,8 +82,8 @@ pub(super) fn name(id: &Id) -> String {
     String::from_utf8_lossy(id).into_owned()
 }
 
-/// The blocks of a chain, each of which has its successor in the first link. A chain that comes back to a block ends with
-/// an error.
+/// Follows a chain of blocks: the first link of each block leads to the next block. A link to a block of the same chain that
+/// came before is an error, as the chain would not end.
 pub(super) fn chain<'a>(
     file: &'a [u8],
     first: Option<u64>,
@@ -103,7 +103,7 @@ pub(super) fn chain<'a>(
     })
 }
 
-/// What the blocks of a file are, found without links.
+/// The result of a look at all blocks of a file in their order, without their links.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default)]
 pub(super) struct Survey {
     /// Whether the file ends within a block, or before a block to which a link leads.

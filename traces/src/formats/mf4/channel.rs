@@ -111,7 +111,7 @@ impl Channel {
         })
     }
 
-    /// Whether a record of `length` bytes has the whole value.
+    /// Whether the value lies within a record of `length` bytes.
     pub const fn fits(&self, length: usize) -> bool {
         let bits = self.bit_offset as u64 + self.bit_count as u64;
         matches!(self.kind, VIRTUAL_MASTER | VIRTUAL) || self.byte_offset as u64 + bits.div_ceil(8) <= length as u64

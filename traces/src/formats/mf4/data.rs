@@ -12,17 +12,17 @@ use std::io::Read;
 /// Limit of the unpacked size of all blocks of a list, in bytes: 1 GiB.
 const LARGEST: u64 = 1 << 30;
 
-/// The content of blocks, as far as it is readable.
+/// The bytes of a block or of a list of blocks, up to the first damaged block.
 #[derive(Debug, Default)]
 pub(super) struct Content<'a> {
     pub bytes: Cow<'a, [u8]>,
-    /// Why it ends here, if it does not end well, and the offset of that block.
+    /// The flaw of the first damaged block, and its offset.
     pub flaw: Option<(Flaw, u64)>,
-    /// Whether the file ends before the content.
+    /// Whether the file ends within a block.
     pub is_cut: bool,
 }
 
-/// Reads the content to which a link leads.
+/// Reads the block, or the list of blocks, to which a link leads.
 pub(super) fn content(file: &[u8], link: Option<u64>) -> Content<'_> {
     let mut content = Content::default();
     if let Some(offset) = link

@@ -41,9 +41,9 @@ enum Kind {
 pub(super) struct Frames<'a> {
     kind: Kind,
     time: Channel,
-    /// The members by name, without the name of the group.
+    /// The channels of the fields of a frame, by their names after the point: `ID`, `DataBytes`.
     members: BTreeMap<String, Channel>,
-    /// Values of variable length outside the records.
+    /// The values of variable length, which are not in the records.
     values: Values<'a>,
 }
 

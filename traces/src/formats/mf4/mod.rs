@@ -2,18 +2,24 @@
 //! CANoe, asammdf and python-can write such files. Little-endian.
 //!
 //! ```text
-//! identification   "MDF     " or, if the recorder did not finish the file, "UnFinMF "; version, program; 64 bytes
+//! identification   "MDF     ", or "UnFinMF " if the recorder did not finish the file; version, program; 64 bytes
 //! blocks           "##" and two letters, reserved (32 bits), length (64), number of links (64), links (64 each), data
-//! HD               header: start of the measurement; links to
-//! DG               data groups, each with its records and with links to
-//! CG               channel groups: the records of one kind; with links to
-//! CN               channels: the place of a value in the record; CC: its conversion, TX: its name
-//! DT, DZ, DL, HL   records: plain, deflated, and lists of both; SD: values of variable length
+//!
+//! HD               the header: start of the measurement, link to the first DG
+//! DG               a data group: its records, link to its first CG
+//! CG               a channel group: all records with the same channels, link to the first CN
+//! CN               a channel: the place of a value in the record
+//! TX               the name of a channel
+//! CC               the conversion of a channel
+//! DT, DZ           records, plain or deflated
+//! SD               values of variable length
+//! DL, HL           a list of blocks with records or values
 //! ```
 //!
-//! Frames are the channel groups with a channel `CAN_DataFrame`, `CAN_RemoteFrame` or `CAN_ErrorFrame`, whose members
-//! are channels such as `CAN_DataFrame.ID`. Groups of other buses and of measured signals are skipped; a file that has
-//! only these is reported. Records of a data group with several channel groups begin with the number of their group.
+//! A channel group holds frames if it has a channel `CAN_DataFrame`, `CAN_RemoteFrame` or `CAN_ErrorFrame`. Further channels,
+//! such as `CAN_DataFrame.ID`, are the fields of the frame. The reader skips groups of other buses and of measured signals,
+//! and reports a file that has only these. If a data group has several channel groups, each record begins with the number
+//! of its channel group.
 //!
 //! A file that was not finished is read to its end. Links lead anywhere in the file, so that it is read as a whole, at
 //! most [`LARGEST`](reader::LARGEST) bytes. The frames of all groups are put in the order of their times.
@@ -24,6 +30,7 @@ mod conversion;
 mod data;
 mod group;
 mod reader;
+mod records;
 #[cfg(test)]
 mod tests;
 

@@ -1,8 +1,9 @@
-//! Reads MF4: the whole file at first, then frame after frame.
+//! Reads MF4: first the whole file into memory, then its frames in the order of their times.
 
 use super::block::{Block, Survey, chain, survey};
 use super::data::content;
-use super::group::{Group, groups, value};
+use super::group::{Group, groups};
+use super::records::{numbered, sorted};
 use crate::damage::Flaw;
 use crate::{Channels, Damage, DamageKind, Place, ReadOptions, Reader, Record, Source, TimeBase, Timestamp};
 use nom::bytes::complete::{tag, take};
@@ -27,13 +28,8 @@ pub(crate) fn sniff(head: &[u8]) -> bool {
 }
 
 pub(crate) fn open(source: Source, _options: &ReadOptions) -> Box<dyn Reader> {
-    let items = Items::default();
-    Box::new(Mf4Reader {
-        source: Some(source),
-        items: items.rows.into_iter(),
-        channels: items.channels,
-        base: items.base,
-    })
+    let (items, channels, base) = (Vec::new().into_iter(), Channels::new(), TimeBase::default());
+    Box::new(Mf4Reader { source: Some(source), items, channels, base })
 }
 
 struct Mf4Reader {
@@ -52,7 +48,7 @@ struct Items {
     base: TimeBase,
     /// Start of the measurement in nanoseconds since 1970.
     start: u64,
-    /// Number of groups of records that are no frames.
+    /// Number of channel groups whose records are no frames.
     others: u64,
     /// Whether the recorder did not finish the file, so that its counts say nothing.
     is_unfinished: bool,
@@ -115,10 +111,8 @@ impl Items {
         }
         let unlinked = [data_groups, groups].into_iter().zip(self.found).find(|(there, found)| there > found);
         if let Some((there, found)) = unlinked {
-            let flaw = Flaw::malformed(
-                format!("{there} groups, as many as the file has, which its header says"),
-                found.to_string(),
-            );
+            let flaw =
+                Flaw::malformed(format!("links to {there} groups, as many as their blocks say"), found.to_string());
             self.damage(flaw, HEADER);
         }
         if self.is_cut {
@@ -189,7 +183,7 @@ impl Items {
         Ok(())
     }
 
-    /// Maximum number of records of a group: as many as it says, unless the recorder did not come to say it.
+    /// Maximum number of records of a group: the number that the file states, if the recorder has finished the file.
     const fn most(&self, group: &Group<'_>) -> u64 {
         if self.is_unfinished { u64::MAX } else { group.count }
     }
@@ -210,54 +204,6 @@ impl Items {
 /// The time of a frame; a damage belongs after all frames.
 fn time(item: &Result<Record, Damage>) -> Timestamp {
     item.as_ref().map_or(Timestamp(u64::MAX), |record| record.timestamp)
-}
-
-/// The records of a data group, each with its group.
-#[derive(Default)]
-struct Split<'f, 'r> {
-    records: Vec<(&'r Group<'f>, &'r [u8])>,
-    /// The values of variable length, by the offsets of their groups.
-    values: BTreeMap<u64, Vec<u8>>,
-    /// Why the records end before the content.
-    flaw: Option<Flaw>,
-}
-
-/// The records of the only group.
-fn sorted<'f, 'r>(groups: &'r [(u64, Group<'f>)], bytes: &'r [u8]) -> Split<'f, 'r> {
-    let Some((_, group)) = groups.first().filter(|(_, group)| group.length > 0) else { return Split::default() };
-    let whole = bytes.chunks_exact(group.length);
-    let rest = whole.remainder().len();
-    let flaw =
-        (rest > 0).then(|| Flaw::malformed(format!("records of {} bytes", group.length), format!("{rest} more")));
-    Split { records: whole.map(|record| (group, record)).collect(), flaw, ..Split::default() }
-}
-
-/// The records that begin with the number of their group, which has `width` bytes.
-fn numbered<'f, 'r>(groups: &'r [(u64, Group<'f>)], bytes: &'r [u8], width: usize) -> Split<'f, 'r> {
-    let by_number: BTreeMap<u64, &(u64, Group<'f>)> = groups.iter().map(|group| (group.1.id, group)).collect();
-    let mut split = Split::default();
-    let mut rest = bytes;
-    while !rest.is_empty() {
-        let (number, after) = rest.split_at(width.min(rest.len()));
-        let id = number.iter().rev().fold(0, |all, byte| all << 8 | u64::from(*byte));
-        let Some((offset, group)) = by_number.get(&id) else {
-            split.flaw = Some(Flaw::malformed("a record of a group that exists", format!("group {id}")));
-            return split;
-        };
-        let length =
-            if group.is_of_values { value(after).map(|(rest, _)| after.len() - rest.len()) } else { Ok(group.length) };
-        let Some((record, next)) = length.ok().and_then(|length| after.split_at_checked(length)) else {
-            split.flaw = Some(Flaw::malformed("a whole record at the end", format!("{} bytes", after.len())));
-            return split;
-        };
-        if group.is_of_values {
-            split.values.entry(*offset).or_default().extend_from_slice(record);
-        } else {
-            split.records.push((group, record));
-        }
-        rest = next;
-    }
-    split
 }
 
 impl Iterator for Mf4Reader {

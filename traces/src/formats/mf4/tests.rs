@@ -1,5 +1,5 @@
-//! Files of kinds that python-can does not write: several groups in a data group, values of variable length, files that
-//! were not finished.
+//! Files that python-can does not write. Loggers write several channel groups into a data group, values of variable
+//! length and constants, and do not finish a file when their supply is cut.
 
 use crate::{Capture, Direction, Format, ReadOptions, Reader, Source, TimeBase};
 
@@ -12,7 +12,7 @@ const HEADER_LINKS: usize = 6;
 const SECOND: u64 = 1_000_000_000;
 
 impl File {
-    /// A file with the start of its measurement, still without data groups.
+    /// A file that has only its header; tests append the other blocks.
     fn new(signature: &[u8; 8], unfinished: u16) -> Self {
         let mut file =
             Self([signature, &b"4.10    canvass "[..], &[0; 36], &unfinished.to_le_bytes(), &[0; 2]].concat());
