@@ -23,6 +23,11 @@ pub fn numbered(seen: Seen) -> Seen {
     Seen { channel: (number + 1).to_string(), ..seen }
 }
 
+/// Names channel can0 0, which is how python-can numbers the channels in MF4.
+pub fn numbered_from_0(seen: Seen) -> Seen {
+    Seen { channel: seen.channel.trim_start_matches("can").into(), ..seen }
+}
+
 /// Puts all frames on one channel.
 pub fn one_channel(seen: Seen) -> Seen {
     Seen { channel: "can0".into(), ..seen }

@@ -139,7 +139,7 @@ fn python_can_writes_csv() {
 /// python-can writes a group of records each for data, remote and error frames.
 #[test]
 fn python_can_writes_mf4() {
-    writes("mf4", Format::Mf4, &[numbered, no_error_detail, received_or_sent], &[]);
+    writes("mf4", Format::Mf4, &[numbered_from_0, no_error_detail, received_or_sent], &[]);
 }
 
 #[test]
