@@ -142,6 +142,21 @@ impl DataType {
             None => None,
         }
     }
+
+    /// The signed type of the same length, for an unsigned type; other types are as they are.
+    pub const fn signed(self) -> Self {
+        match self {
+            Self::UNSIGNED8 => Self::INTEGER8,
+            Self::UNSIGNED16 => Self::INTEGER16,
+            Self::UNSIGNED24 => Self::INTEGER24,
+            Self::UNSIGNED32 => Self::INTEGER32,
+            Self::UNSIGNED40 => Self::INTEGER40,
+            Self::UNSIGNED48 => Self::INTEGER48,
+            Self::UNSIGNED56 => Self::INTEGER56,
+            Self::UNSIGNED64 => Self::INTEGER64,
+            other => other,
+        }
+    }
 }
 
 /// `UNSIGNED32`, or `data type 00A0h` if CiA 301 has no name.
@@ -169,6 +184,16 @@ mod tests {
         assert_eq!((DataType::UNSIGNED32.0, DataType::DOMAIN.0, DataType::UNSIGNED64.0), (0x07, 0x0F, 0x1B));
         assert_eq!((DataType(0x17).name(), DataType(0x0E).name()), (None, None), "17h and 0Eh are reserved");
         assert_eq!(DataType::ALL.len(), 31);
+    }
+
+    #[test]
+    fn signed_types_have_the_same_length() {
+        for &data_type in DataType::ALL {
+            let signed = data_type.signed();
+            assert_eq!(signed.bits(), data_type.bits());
+            assert_ne!(signed.class(), Some(DataClass::Unsigned), "{data_type}");
+        }
+        assert_eq!(DataType::REAL32.signed(), DataType::REAL32);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use super::annotation::Annotations;
 use super::description::DeviceDescription;
-use super::names;
+use super::names::{self, Unit};
 use crate::identity::Multiplexer;
 use crate::object::Acting;
 use crate::wire::emcy::{Emcy, EmcyCode};
@@ -32,6 +32,8 @@ pub struct Manual {
     pub settings: Settings,
     /// The EMCY messages in the manual.
     pub emergencies: Vec<KnownEmergency>,
+    /// Objects that repeat another object for comparison.
+    pub checked: Vec<Checked>,
     /// Manufacturer-specific objects that act when they are written.
     pub acting: Vec<(Multiplexer, Acting)>,
 }
@@ -61,7 +63,7 @@ impl Manual {
 }
 
 /// An EMCY message in a device's manual.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct KnownEmergency {
     /// The error code.
     pub code: EmcyCode,
@@ -69,6 +71,30 @@ pub struct KnownEmergency {
     pub bytes: Vec<u8>,
     /// The meaning of the message.
     pub text: String,
+    /// The contents of the manufacturer-specific bytes, one byte each; empty if the manual does not give them.
+    pub fields: Vec<EmergencyField>,
+}
+
+/// An object with its inverse and its checksum in further objects of the device.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Checked {
+    /// The object.
+    pub value: Multiplexer,
+    /// The object with the inverted bits.
+    pub inverse: Option<Multiplexer>,
+    /// The object with the CRC-CCITT over the four bytes of the value.
+    pub crc: Option<Multiplexer>,
+    /// The start value of the CRC.
+    pub crc_start: u16,
+}
+
+/// The content of one manufacturer-specific byte of an EMCY message.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EmergencyField {
+    /// The name of the content.
+    pub name: String,
+    /// The unit of the content; `None` for a register.
+    pub unit: Option<Unit>,
 }
 
 /// The ways to set node-ID and bit rate of a device, apart from LSS.
@@ -80,6 +106,8 @@ pub struct Settings {
     pub bit_rate: Option<Multiplexer>,
     /// The codes, each with its bit rate in bit/s.
     pub bit_rates: Vec<(u32, u32)>,
+    /// The shortest event timers of TPDOs in ms that the manual allows, each with its bit rate in bit/s.
+    pub shortest_cycles: Vec<(u32, u32)>,
     /// Whether the device supports LMT (CiA DS-205), the predecessor of LSS.
     pub layer_management: bool,
     /// The TPDOs, from 1, whose frames the device fills up with zeros to 8 bytes.
@@ -90,6 +118,11 @@ impl Settings {
     /// Whether the device always sends this TPDO, numbered from 1, with 8 bytes.
     pub fn pads(&self, tpdo: u16) -> bool {
         u8::try_from(tpdo).is_ok_and(|tpdo| self.padded_tpdos.contains(&tpdo))
+    }
+
+    /// The shortest event timer of a TPDO in ms at a bit rate, if the manual limits it.
+    pub fn shortest_cycle(&self, bit_rate: u32) -> Option<u32> {
+        self.shortest_cycles.iter().find(|cycle| cycle.0 == bit_rate).map(|cycle| cycle.1)
     }
 
     /// The bit rate of a code, in bit/s.

@@ -27,11 +27,11 @@ mod unusable;
 mod value;
 pub mod xdd;
 
-pub use annotation::{Annotation, Annotations, BitName};
+pub use annotation::{Annotation, Annotations, BitName, Condition, Redundancy};
 pub use data_type::{DataClass, DataType};
 pub use description::{Commissioning, DeviceDescription, DeviceInfo, FileInfo, Module, ObjectLists, SubExtension};
 pub use loss::{Loss, LossKind};
-pub use manual::{KnownDevice, KnownEmergency, Manual, Settings};
+pub use manual::{Checked, EmergencyField, KnownDevice, KnownEmergency, Manual, Settings};
 pub use names::Unit;
 pub use object::{Access, Entry, Missing, Object, ObjectCode, ObjectDictionary, ObjectFlags, Setting};
 pub use place::{SectionId, Span, Spot};

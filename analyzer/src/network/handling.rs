@@ -268,6 +268,11 @@ impl Bus {
     }
 
     fn pdo(&mut self, id: NodeId, number: PdoNumber, payload: &[u8]) -> Decoded {
+        if let PdoNumber::Transmit(tpdo) = number
+            && self.node_mut(id).device.is_none()
+        {
+            learning::received(self, id, tpdo, payload.len());
+        }
         // Computes the layout if it is not known yet: the texts of the PDO find it in the node.
         let node = self.node_mut(id);
         node.layout(id, number);

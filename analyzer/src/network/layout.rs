@@ -26,18 +26,22 @@ pub struct Signal {
     pub data_type: Option<DataType>,
     /// The unit of the signal's values, if the device's configuration determines a unit and is known.
     pub scale: Option<Unit>,
+    /// The number, from 0, among the signals of the same object; `None` if the PDO maps the object once.
+    pub repetition: Option<u8>,
 }
 
 impl Layout {
     /// The layout for a mapping of a node, whose description gives the data types.
     pub fn new(entries: &[MappingEntry], id: NodeId, node: &Node) -> Self {
-        let description = node.description();
         let mut offset = 0;
-        let signals = entries.iter().map(|entry| {
+        let signals = entries.iter().enumerate().map(|(n, entry)| {
             let object = entry.object();
-            let described = description.and_then(|d| d.dictionary.entry(object).ok()).map(|entry| entry.data_type);
+            let same = |entries: &[MappingEntry]| entries.iter().filter(|other| other.object() == object).count();
+            // A mapping has at most 64 entries.
+            let repetition = (same(entries) > 1).then(|| same(&entries[..n]) as u8);
+            let data_type = node.data_type(id, object);
             let scale = scaling::scale(node, id, object);
-            let signal = Signal { object, offset, bits: entry.bits(), data_type: described, scale };
+            let signal = Signal { object, offset, bits: entry.bits(), data_type, scale, repetition };
             offset += usize::from(entry.bits());
             signal
         });

@@ -37,13 +37,19 @@ pub(crate) fn from_transfer(bus: &mut Bus, index: ChannelIndex) {
         return;
     }
     let object = transfer.multiplexer;
-    if matches!(object.index.0, 0x2000..=0x5FFF | object::NODE_ID) && transfer.direction == Direction::Download {
+    transferred(bus, server, object);
+    let Some(transfer) = bus.channels.get(usize::from(index.0)).and_then(Channel::transfer) else { return };
+    let is_download = transfer.direction == Direction::Download;
+    let is_setting = matches!(object.index.0, 0x2000..=0x5FFF | object::NODE_ID) && is_download;
+    if is_setting {
         let value = number(transfer.data());
-        return configured::written(bus, server, object, value);
+        configured::written(bus, server, object, value);
     }
-    if !is_learned(object) {
+    let is_condition = || bus.node(server).is_some_and(|node| node.is_condition(object));
+    if (is_setting || !is_learned(object)) && !is_condition() {
         return;
     }
+    let Some(transfer) = bus.channels.get(usize::from(index.0)).and_then(Channel::transfer) else { return };
     let shown = match transfer.direction {
         Direction::Upload => Shown::Read,
         Direction::Download => Shown::Written,
@@ -76,13 +82,39 @@ fn recognise(bus: &mut Bus, id: NodeId, object: Multiplexer, data: &[u8]) {
     if !candidates.iter().any(|candidate| candidate.facts.iter().any(|fact| fact.0 == object)) {
         return;
     }
+    bus.node_mut(id).identity.insert(object, data[..data.len().min(recognition::LONGEST)].to_vec());
+    by_identity(bus, id);
+}
+
+/// Handles the transfer of an object, which shows that the node has the object.
+fn transferred(bus: &mut Bus, id: NodeId, object: Multiplexer) {
+    if bus.candidates.exist() {
+        let node = bus.node_mut(id);
+        if node.is_ambiguous() && node.traits.transferred(object) {
+            by_identity(bus, id);
+        }
+    }
+}
+
+/// Handles a TPDO of a node whose model is unknown.
+pub(crate) fn received(bus: &mut Bus, id: NodeId, tpdo: u16, length: usize) {
+    if bus.candidates.exist() && bus.node_mut(id).traits.received(tpdo, length) {
+        by_identity(bus, id);
+    }
+}
+
+/// Looks for the model of a node that has shown objects of its identity.
+fn by_identity(bus: &mut Bus, id: NodeId) {
+    if bus.node_mut(id).identity.is_empty() {
+        return;
+    }
+    let candidates = bus.candidates.get();
     let node = bus.node_mut(id);
-    node.identity.insert(object, data[..data.len().min(recognition::LONGEST)].to_vec());
     // A device that the user has named is not doubted.
     if node.device.is_some() && node.recognition.is_none() {
         return;
     }
-    let Some((place, recognition)) = recognition::recognise(&candidates, &node.identity) else { return };
+    let Some((place, recognition)) = recognition::recognise(&candidates, &node.identity, &node.traits) else { return };
     let before = node.recognition.replace(recognition);
     if before.map(|before| before.model) != node.recognition.as_ref().map(|now| Arc::clone(&now.model))
         && let Some(candidate) = candidates.get(place)

@@ -2,7 +2,7 @@
 
 use crate::dictionary::Unit;
 use crate::dictionary::names::{self, Role};
-use crate::dictionary::{Access, DeviceDescription, KnownDevice};
+use crate::dictionary::{Access, Condition, DataType, DeviceDescription, KnownDevice};
 use crate::message::PdoNumber;
 use crate::network::configured::Pending;
 use crate::network::guarding::Guarding;
@@ -35,6 +35,8 @@ pub struct Node {
     pub recognition: Option<Recognition>,
     /// The identifying objects that the node has shown.
     pub(super) identity: recognition::Shown,
+    /// What the node shows of its model besides its identity; kept while the model is unknown or ambiguous.
+    pub(super) traits: recognition::Traits,
     /// The settings of the node after its next start.
     pub(super) pending: Pending,
     /// Time of the node's last start, and whether an empty EMCY announced it, as before CiA 301 V4.
@@ -108,6 +110,26 @@ impl Node {
         *self.profile.get_or_init(|| device_type().map(|device_type| device_type as u16))
     }
 
+    /// The data type of an object in the description; the signed type, if a parameter of the device makes the object
+    /// signed.
+    pub fn data_type(&self, id: NodeId, object: Multiplexer) -> Option<DataType> {
+        let device = self.device.as_deref()?;
+        let described = device.description.dictionary.entry(object).ok()?.data_type;
+        let condition = device.manual.annotations.get(object).and_then(|annotation| annotation.signed_if);
+        let is_signed = condition.is_some_and(|state| self.is_in(id, state));
+        Some(if is_signed { described.signed() } else { described })
+    }
+
+    /// Whether the device is in a state, as far as the trace or the description tells.
+    pub fn is_in(&self, id: NodeId, state: Condition) -> bool {
+        self.parameter(id, state.at) == Some(state.value)
+    }
+
+    /// Whether the meaning of other objects' values depends on this object, by the device's manual.
+    pub(super) fn is_condition(&self, object: Multiplexer) -> bool {
+        self.device.as_deref().is_some_and(|device| device.manual.annotations.is_condition(object))
+    }
+
     /// Notes a parameter shown by the trace; returns whether it changes the layout of process data.
     pub fn learn(&mut self, object: Multiplexer, value: u32, shown: Shown) -> bool {
         let written = matches!(self.parameters.get(&object), Some((_, Shown::Written)));
@@ -119,7 +141,8 @@ impl Node {
         let before = self.parameters.insert(object, (value, shown)).map(|before| before.0);
         let is_mapping =
             PdoNumber::of_mapping_index(object.index.0).is_some() || matches!(object.index.0, 0x1381..=0x13C0);
-        let lays_out = (is_mapping || scaling::is_scaling_parameter(object)) && before != Some(value);
+        let is_of_layout = is_mapping || scaling::is_scaling_parameter(object) || self.is_condition(object);
+        let lays_out = is_of_layout && before != Some(value);
         if lays_out {
             self.forget_layouts();
         }
@@ -172,6 +195,14 @@ impl Node {
     /// The description of the node, if there is one.
     pub fn description(&self) -> Option<&DeviceDescription> {
         Some(&self.device.as_deref()?.description)
+    }
+
+    /// Whether the model of the node is unknown, or recognised as one of several.
+    pub(super) fn is_ambiguous(&self) -> bool {
+        match &self.recognition {
+            Some(recognition) => !recognition.or.is_empty(),
+            None => self.device.is_none(),
+        }
     }
 
     /// Sets or replaces the prior knowledge of the node.

@@ -2,15 +2,18 @@
 //! and further objects that distinguish models.
 //!
 //! A model is a candidate as long as the trace does not contradict its facts. It is recognised when the trace also
-//! confirms vendor-ID and product code, or device type and name. If several models are recognised at once, they do
-//! not differ in the objects shown; the first stands for all if their PDOs are alike.
+//! confirms vendor-ID and product code, or device type and name. Several models may be recognised at once. Then those
+//! remain that have all objects which the node has transferred, and whose TPDOs have the lengths of the node's TPDOs.
+//! If several models still remain, the first stands for all if their PDOs are alike.
 
 use super::number::number;
 use crate::dictionary::names::{Role, has_role, profiles, with_role};
 use crate::dictionary::{KnownDevice, Value};
+use crate::message::PdoNumber;
 use crate::object;
+use crate::wire::pdo::MappingEntry;
 use crate::{Multiplexer, NodeId, SubIndex};
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::sync::{Arc, LazyLock};
 
 /// A model as which nodes can be recognised.
@@ -55,6 +58,11 @@ impl Candidates {
         let candidates = self.get();
         let fitting = candidates.iter().filter(|candidate| candidate.evidence(shown).is_some());
         fitting.map(|candidate| Arc::clone(&candidate.id)).collect()
+    }
+
+    /// Whether there are models as which nodes can be recognised.
+    pub(super) const fn exist(&self) -> bool {
+        self.0.is_some()
     }
 
     pub(super) fn get(&self) -> Arc<[Candidate]> {
@@ -104,6 +112,55 @@ const OBJECTS: [Multiplexer; 8] = [
 /// The values of identifying objects that a node has shown, as transferred.
 pub type Shown = BTreeMap<Multiplexer, Vec<u8>>;
 
+/// What a node shows of its model besides its identity.
+#[derive(Clone, Default)]
+pub(super) struct Traits {
+    /// The objects that were transferred, of the manufacturer and of device profiles.
+    objects: BTreeSet<Multiplexer>,
+    /// The lengths of the first TPDOs in bytes.
+    lengths: [Option<u8>; 4],
+}
+
+impl Traits {
+    /// Maximum number of kept objects: far more than distinguish two models.
+    const MOST: usize = 64;
+
+    /// Notes a transferred object; returns whether the object is new.
+    pub fn transferred(&mut self, object: Multiplexer) -> bool {
+        let is_of_model = matches!(object.index.0, 0x2000..=0x9FFF);
+        is_of_model && self.objects.len() < Self::MOST && self.objects.insert(object)
+    }
+
+    /// Notes the length of a TPDO, numbered from 1, that the node has not sent before; returns whether it is new. Later
+    /// lengths do not count, so that PDOs after the first have no effect.
+    pub fn received(&mut self, tpdo: u16, length: usize) -> bool {
+        let known = self.lengths.get_mut(usize::from(tpdo).wrapping_sub(1)).filter(|known| known.is_none());
+        let Some(known) = known else { return false };
+        *known = u8::try_from(length).ok();
+        true
+    }
+
+    fn fit_objects(&self, candidate: &Candidate) -> bool {
+        let dictionary = &candidate.device.description.dictionary;
+        self.objects.iter().all(|object| dictionary.entry(*object).is_ok())
+    }
+
+    fn fit_lengths(&self, candidate: &Candidate) -> bool {
+        let seen = (1..).zip(self.lengths).filter_map(|(tpdo, length)| Some((tpdo, usize::from(length?))));
+        seen.into_iter().all(|(tpdo, length)| candidate.tpdo_length(tpdo).is_none_or(|described| described == length))
+    }
+
+    /// The models of a choice that fit the traits; the whole choice if none fits. Models that the user named remain.
+    fn narrow<T>(&self, mut choice: Vec<T>, of: impl Fn(&T) -> &Candidate) -> Vec<T> {
+        for fits in [Self::fit_objects, Self::fit_lengths] {
+            if choice.iter().any(|one| fits(self, of(one))) {
+                choice.retain(|one| of(one).is_said || fits(self, of(one)));
+            }
+        }
+        choice
+    }
+}
+
 /// Maximum length of a device name.
 pub(super) const LONGEST: usize = 64;
 
@@ -152,6 +209,21 @@ impl Candidate {
         (both(VENDOR, PRODUCT) || both(DEVICE_TYPE, NAME)).then_some(seen)
     }
 
+    /// The length in bytes of a TPDO, numbered from 1, of a device as delivered; `None` if it is not described.
+    fn tpdo_length(&self, tpdo: u16) -> Option<usize> {
+        if self.device.manual.settings.pads(tpdo) {
+            return Some(8);
+        }
+        let dictionary = &self.device.description.dictionary;
+        let of = |sub| {
+            let entry = dictionary.entry(Multiplexer::new(PdoNumber::Transmit(tpdo).mapping_index(), sub)).ok()?;
+            u32::try_from(entry.start_value(NodeId::MIN)?.to_raw()?).ok()
+        };
+        let count = of(0).and_then(|count| u8::try_from(count).ok()).filter(|&count| (1..=64).contains(&count))?;
+        let bits: Option<usize> = (1..=count).map(|sub| Some(usize::from(MappingEntry(of(sub)?).bits()))).sum();
+        bits.map(|bits| bits.div_ceil(8))
+    }
+
     /// Whether the PDOs of both models have the same layout and transmission.
     fn has_pdos_of(&self, other: &Self) -> bool {
         let start = |candidate: &Self, object| {
@@ -177,10 +249,11 @@ impl Fact {
     }
 }
 
-/// The model of a node that has shown these values, and its index among the candidates.
-pub(super) fn recognise(candidates: &[Candidate], shown: &Shown) -> Option<(usize, Recognition)> {
+/// The model of a node that has shown these values and traits, and its index among the candidates.
+pub(super) fn recognise(candidates: &[Candidate], shown: &Shown, traits: &Traits) -> Option<(usize, Recognition)> {
     let all = candidates.iter().enumerate();
-    let mut fitting = all.filter_map(|(n, candidate)| Some((n, candidate, candidate.evidence(shown)?)));
+    let fitting = all.filter_map(|(n, candidate)| Some((n, candidate, candidate.evidence(shown)?))).collect();
+    let mut fitting = traits.narrow(fitting, |one: &(usize, &Candidate, _)| one.1).into_iter();
     let (place, first, by) = fitting.next()?;
     // With a model named by the user, other models need not be excluded.
     let others: Vec<_> =
@@ -211,7 +284,7 @@ mod tests {
 
     fn recognised(candidates: &[Candidate], shown: &[(Multiplexer, &[u8])]) -> Option<Recognition> {
         let shown = shown.iter().map(|&(object, data)| (object, data.to_vec())).collect();
-        recognise(candidates, &shown).map(|found| found.1)
+        recognise(candidates, &shown, &Traits::default()).map(|found| found.1)
     }
 
     const TYPE: (Multiplexer, &[u8]) = (DEVICE_TYPE, &[0x96, 1, 2, 0]);

@@ -4,6 +4,7 @@
 use super::escaped::Escaped;
 use crate::NodeId;
 use crate::dictionary::names::error_name;
+use crate::dictionary::{EmergencyField, KnownEmergency};
 use crate::network::Bus;
 use crate::wire::emcy::Emcy;
 use std::fmt;
@@ -14,8 +15,8 @@ pub struct EmcyText<'a> {
     emcy: &'a Emcy,
     /// The device's profile, if known.
     profile: Option<u16>,
-    /// The meaning in the device's manual.
-    known: Option<&'a str>,
+    /// The message in the device's manual.
+    known: Option<&'a KnownEmergency>,
 }
 
 impl<'a> EmcyText<'a> {
@@ -23,7 +24,7 @@ impl<'a> EmcyText<'a> {
     pub fn of(emcy: &'a Emcy, node: NodeId, bus: &'a Bus) -> Self {
         let known = bus.node(node);
         let device = known.and_then(|node| node.device.as_deref());
-        let by_manual = device.and_then(|device| device.manual.emergency(emcy)).map(|known| &*known.text);
+        let by_manual = device.and_then(|device| device.manual.emergency(emcy));
         Self { emcy, profile: known.and_then(|known| known.profile(node)), known: by_manual }
     }
 
@@ -43,23 +44,58 @@ impl fmt::Display for EmcyText<'_> {
         let standard = || self.emcy.code().and_then(|code| code.name());
         let name = by_profile.or_else(standard).unwrap_or_default();
         // Many manuals repeat the standard's text.
-        match self.known.filter(|known| !name.to_lowercase().starts_with(&known.to_lowercase())) {
-            Some(known) => write!(f, ": {}", Escaped(known)),
-            None => Ok(()),
+        let Some(known) = self.known else { return Ok(()) };
+        if !name.to_lowercase().starts_with(&known.text.to_lowercase()) {
+            write!(f, ": {}", Escaped(&known.text))?;
         }
+        self.fields(&known.fields, f)
+    }
+}
+
+impl EmcyText<'_> {
+    /// Writes the contents of the manufacturer-specific bytes: `; sensor error register 80h, temperature 22 °C`.
+    fn fields(&self, fields: &[EmergencyField], f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        for (n, (field, &byte)) in fields.iter().zip(self.emcy.manufacturer()).enumerate() {
+            write!(f, "{} {}", if n == 0 { ";" } else { "," }, Escaped(&field.name))?;
+            match &field.unit {
+                Some(unit) => write!(f, " {} {}", unit.physical(f64::from(byte)), Escaped(&unit.symbol))?,
+                None => write!(f, " {byte:02X}h")?,
+            }
+        }
+        Ok(())
     }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::dictionary::{KnownDevice, KnownEmergency, Manual};
+    use crate::dictionary::{KnownDevice, Manual, Unit};
     use crate::network::Network;
     use crate::wire::emcy::{EmcyCode, ErrorRegister};
     use canvass_traces::{ChannelId, Record, Timestamp, parse_frame};
 
     fn known(code: u16, bytes: &[u8], text: &str) -> KnownEmergency {
-        KnownEmergency { code: EmcyCode(code), bytes: bytes.to_vec(), text: text.to_owned() }
+        KnownEmergency { code: EmcyCode(code), bytes: bytes.to_vec(), text: text.to_owned(), fields: Vec::new() }
+    }
+
+    /// The message of the Kübler manual, 5.8.2: 22 °C, limits -32 °C and 16 °C.
+    #[test]
+    fn the_bytes_have_names_and_units() {
+        let field = |name: &str, unit| EmergencyField { name: name.to_owned(), unit };
+        let degrees = Some(Unit { offset: -64.0, ..Unit::new(1.0, "°C") });
+        let fields = vec![
+            field("sensor error register", None),
+            field("temperature", degrees.clone()),
+            field("low threshold", degrees.clone()),
+            field("high threshold", degrees),
+            field("sensor version", None),
+        ];
+        let known = KnownEmergency { fields, ..known(0x4200, &[], "Temperature limit") };
+        let emcy = Emcy::new(EmcyCode(0x4200), ErrorRegister(0x09), [0x80, 0x56, 0x20, 0x50, 0x2E]);
+        let text = EmcyText { emcy: &emcy, profile: None, known: Some(&known) }.to_string();
+        let fields = "sensor error register 80h, temperature 22 °C, low threshold -32 °C, high threshold 16 °C, sensor \
+                      version 2Eh";
+        assert!(text.ends_with(&format!("80 56 20 50 2E: Temperature limit; {fields}")), "{text}");
     }
 
     #[test]

@@ -17,15 +17,29 @@ impl Meaning<'_> {
         let payload = self.record.frame.data();
         let node = self.decoded.node.and_then(|node| self.bus.node(node));
         match node.and_then(|node| node.known_layout(number)) {
-            Some(layout) => self.layout_signals(layout, payload, f),
+            Some(layout) => {
+                self.layout_signals(layout, payload, f)?;
+                if self.is_padded(number) { Ok(()) } else { other_length(layout, payload, f) }
+            }
             None => bytes(payload, f),
         }
+    }
+
+    /// Whether the device fills up the PDO to the length of the frame, as its manual says.
+    fn is_padded(&self, number: PdoNumber) -> bool {
+        let PdoNumber::Transmit(tpdo) = number else { return false };
+        let node = self.decoded.node.and_then(|node| self.bus.node(node));
+        let device = node.and_then(|node| node.device.as_deref());
+        self.record.frame.data().len() == 8 && device.is_some_and(|device| device.manual.settings.pads(tpdo))
     }
 
     pub(super) fn srdo(&self, srdo: &Srdo, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{srdo}")?;
         match self.srdo_layout(srdo) {
-            Some(layout) => self.layout_signals(layout, self.record.frame.data(), f),
+            Some(layout) => {
+                self.layout_signals(layout, self.record.frame.data(), f)?;
+                other_length(layout, self.record.frame.data(), f)
+            }
             None => Ok(()),
         }
     }
@@ -59,24 +73,31 @@ impl Meaning<'_> {
             f.write_str(if n == 0 { ": " } else { ", " })?;
             self.signal(signal, payload, f)?;
         }
-        if layout.length() == payload.len() {
-            return Ok(());
-        }
-        write!(f, " [length {}, the mapping fills {}]", payload.len(), layout.length())
+        Ok(())
     }
 
     fn signal(&self, signal: &Signal, payload: &[u8], f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let node = self.decoded.node.and_then(|node| self.bus.node(node));
-        let object = Object::new(self.decoded.node, node, signal.object);
+        let object = Object::mapped(self.decoded.node, node, signal);
         match signal.raw(payload) {
             Some(raw) => {
                 let bytes = raw.to_le_bytes();
                 let mapped = &bytes[..usize::from(signal.bits).div_ceil(8).min(8)];
-                let value = ValueText { scale: signal.scale.as_ref(), ..object.leading(mapped) };
+                let value = object.leading(mapped);
+                let is_shortened = object.is_shortened_to(signal.bits);
+                let value = ValueText { scale: signal.scale.as_ref(), is_shortened, ..value };
                 write!(f, "{object} = {value}")
             }
             None => write!(f, "{object} cut off"),
         }
+    }
+}
+
+/// Writes the length of a payload that is not that of its mapping.
+fn other_length(layout: &Layout, payload: &[u8], f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    match (payload.len(), layout.length()) {
+        (length, mapped) if length == mapped => Ok(()),
+        (length, mapped) => write!(f, " [length {length}, the mapping fills {mapped}]"),
     }
 }
 

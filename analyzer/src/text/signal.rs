@@ -17,6 +17,8 @@ pub struct SignalValue<'a> {
     /// The bits as a number of the object's type; `None` if the PDO is too short for them, or there are more than 64.
     pub raw: Option<Number>,
     scale: Option<Cow<'a, Unit>>,
+    /// The number, from 0, among the values of the object in the PDO; `None` if the PDO maps the object once.
+    pub repetition: Option<u8>,
 }
 
 /// A value by its type.
@@ -51,7 +53,7 @@ impl Meaning<'_> {
         };
         let signals = layout.into_iter().flat_map(|layout| &layout.signals).filter(|signal| !signal.is_dummy());
         let payload = self.record.frame.data();
-        let mapped = signals.map(move |signal| SignalValue::new(Object::new(id, node, signal.object), signal, payload));
+        let mapped = signals.map(move |signal| SignalValue::new(Object::mapped(id, node, signal), signal, payload));
         mapped.chain(multiplexed)
     }
 
@@ -76,7 +78,7 @@ impl Node {
         let signals = node.known_layout(pdo).into_iter().flat_map(|layout| &layout.signals);
         let signals = signals.filter(|signal| !signal.is_dummy());
         signals.map(move |signal| {
-            (signal, SignalValue::new(Object::new(Some(id), Some(node), signal.object), signal, &[0; 64]))
+            (signal, SignalValue::new(Object::mapped(Some(id), Some(node), signal), signal, &[0; 64]))
         })
     }
 }
@@ -84,14 +86,16 @@ impl Node {
 impl<'a> SignalValue<'a> {
     fn new(object: Object<'a>, signal: &'a Signal, payload: &[u8]) -> Self {
         let raw = signal.raw(payload).map(|raw| typed(raw, signal.bits, object.data_type()));
-        Self { object, bits: signal.bits, raw, scale: signal.scale.as_ref().map(Cow::Borrowed) }
+        let scale = signal.scale.as_ref().map(Cow::Borrowed);
+        Self { object, bits: signal.bits, raw, scale, repetition: signal.repetition }
     }
 
     /// The value of a multiplexed PDO, which has four bytes for any object.
     pub(super) fn multiplexed(object: Object<'a>, data: [u8; 4]) -> Self {
         let bits = object.data_type().and_then(DataType::bits).filter(|&bits| bits <= 32).unwrap_or(32) as u8;
         let raw = u64::from(u32::from_le_bytes(data)) & ((1 << bits) - 1);
-        Self { object, bits, raw: Some(typed(raw, bits, object.data_type())), scale: object.scale().map(Cow::Owned) }
+        let scale = object.scale().map(Cow::Owned);
+        Self { object, bits, raw: Some(typed(raw, bits, object.data_type())), scale, repetition: None }
     }
 
     /// The object.
@@ -107,15 +111,15 @@ impl<'a> SignalValue<'a> {
     /// The value in the unit of the description or the standard, else in the unit that the device's configuration
     /// determines, else the raw value.
     pub fn value(&self) -> Option<(Number, Option<Cow<'_, Unit>>)> {
-        let unit = self.object.unit().or_else(|| self.scale.as_deref().map(Cow::Borrowed));
+        let (fixed, configured) = self.object.units(self.scale.as_deref());
+        let unit = fixed.or_else(|| configured.map(Cow::Borrowed));
         Some((physical(self.raw?, unit.as_deref()), unit))
     }
 
     /// In addition to [`SignalValue::value`], the value in the unit that the device's configuration determines, such as
     /// degrees, if known.
     pub fn scaled(&self) -> Option<(Number, &Unit)> {
-        let scale = self.scale.as_deref()?;
-        self.object.unit()?;
+        let (Some(_), Some(scale)) = self.object.units(self.scale.as_deref()) else { return None };
         Some((physical(self.raw?, Some(scale)), scale))
     }
 }

@@ -2,6 +2,7 @@
 
 use super::escaped::Escaped;
 use super::object::Object;
+use crate::dictionary::names::Meaning;
 use crate::dictionary::{DataClass, DataType, Unit, Value};
 use std::fmt;
 
@@ -11,6 +12,8 @@ pub(super) struct ValueText<'v> {
     pub object: &'v Object<'v>,
     /// The unit that the device's configuration determines, if known already.
     pub scale: Option<&'v Unit>,
+    /// Whether the value has fewer bytes than its data type, as the device's manual says.
+    pub is_shortened: bool,
 }
 
 /// Maximum number of bytes shown of a long value.
@@ -21,21 +24,44 @@ impl ValueText<'_> {
         if let Some(name) = self.object.choice(raw) {
             return write!(f, "{raw} ({})", Escaped(name));
         }
-        if let Some(done) = self.physical(raw as f64, f) {
+        let meaning = self.object.meaning(raw as i64);
+        // A value with a meaning of its own is no quantity.
+        if meaning.is_none()
+            && let Some(done) = self.physical(raw as f64, f)
+        {
             return done;
         }
         if let Some(text) = signature(self.bytes) {
             return write!(f, "\"{text}\"");
         }
-        hexadecimal(raw, self.bytes.len(), f)?;
-        self.bits(raw, self.object.meaning(raw as i64), f)
+        match (meaning, self.bytes.len()) {
+            (Some(_), 0..=1) => write!(f, "{raw}")?,
+            (_, length) => hexadecimal(raw, length, f)?,
+        }
+        self.bits(raw, meaning, f)
+    }
+
+    /// Writes a value with fewer bytes than its type has; the highest bit of a signed value is its sign.
+    fn shortened(&self, class: Option<DataClass>, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut raw = [0; 8];
+        match raw.get_mut(..self.bytes.len()) {
+            Some(low) if class == Some(DataClass::Integer) && !low.is_empty() => {
+                let unused = 64 - 8 * low.len() as u32;
+                low.copy_from_slice(self.bytes);
+                self.integer((u64::from_le_bytes(raw) << unused) as i64 >> unused, f)
+            }
+            _ => self.untyped(f),
+        }
     }
 
     /// The meaning of the whole value, the names of the set bits, and of clear bits whose clear state has a name.
-    fn bits(&self, raw: u64, meaning: Option<&str>, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+    fn bits(&self, raw: u64, meaning: Option<Meaning>, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let bits = 8 * self.bytes.len().min(8) as u8;
-        let mut first = true;
-        for name in meaning.into_iter().chain(self.object.bits(raw, bits)) {
+        let mut first = meaning.is_none();
+        if let Some(meaning) = meaning {
+            write!(f, " ({meaning}")?;
+        }
+        for name in self.object.bits(raw, bits) {
             write!(f, "{}{}", if first { " (" } else { ", " }, Escaped(name))?;
             first = false;
         }
@@ -55,7 +81,7 @@ impl ValueText<'_> {
     /// The value in its unit, and in the unit that the device's configuration determines; `None` if it has neither.
     fn physical(&self, raw: f64, f: &mut fmt::Formatter<'_>) -> Option<fmt::Result> {
         let computed = if self.scale.is_none() { self.object.scale() } else { None };
-        match (self.object.unit(), self.scale.or(computed.as_ref())) {
+        match self.object.units(self.scale.or(computed.as_ref())) {
             (None, None) => None,
             (Some(unit), None) => Some(physical(raw, &unit, f)),
             (None, Some(scale)) => Some(physical(raw, scale, f)),
@@ -97,6 +123,7 @@ impl fmt::Display for ValueText<'_> {
                 write!(f, "{value}")?;
                 if text { ellipsis(self.bytes.len(), f) } else { Ok(()) }
             }
+            Some(Err(_)) if self.is_shortened => self.shortened(class, f),
             Some(Err(error)) => {
                 self.untyped(f)?;
                 write!(f, " [{error}]")

@@ -140,16 +140,33 @@ impl fmt::Debug for MappingEntry {
 
 impl fmt::Display for TransmissionType {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        match self.0 {
-            0 => f.write_str("0 (at the SYNC after an event)"),
-            1 => f.write_str("1 (at every SYNC)"),
-            n @ 2..=240 => write!(f, "{n} (at every {n}th SYNC)"),
-            n @ 241..=251 => write!(f, "{n} (reserved)"),
-            252 => f.write_str("252 (sampled at SYNC, sent on RTR)"),
-            253 => f.write_str("253 (sent on RTR)"),
-            254 => f.write_str("254 (manufacturer-specific event)"),
-            255 => f.write_str("255 (event of the device profile)"),
-        }
+        write!(f, "{} ({})", self.0, self.moment())
+    }
+}
+
+/// The moment at which a TPDO is sent. Displays as `at every SYNC`.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub struct Moment(TransmissionType);
+
+impl TransmissionType {
+    /// The moment at which a TPDO of this type is sent.
+    pub const fn moment(self) -> Moment {
+        Moment(self)
+    }
+}
+
+impl fmt::Display for Moment {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self.0.0 {
+            0 => "at the SYNC after an event",
+            1 => "at every SYNC",
+            n @ 2..=240 => return write!(f, "at every {n}th SYNC"),
+            241..=251 => "reserved",
+            252 => "sampled at SYNC, sent on RTR",
+            253 => "sent on RTR",
+            254 => "manufacturer-specific event",
+            255 => "event of the device profile",
+        })
     }
 }
 

@@ -75,6 +75,7 @@ fn described() -> KnownDevice {
         node_id: Some(Multiplexer::new(0x2101, 0)),
         bit_rate: Some(Multiplexer::new(0x2100, 0)),
         bit_rates: vec![(5, 250_000), (6, 500_000)],
+        shortest_cycles: Vec::new(),
         layer_management: false,
         padded_tpdos: Vec::new(),
     };

@@ -1,4 +1,4 @@
-//! The columns of a sheet: one for each object, unit and type in the PDOs.
+//! The columns of a sheet: one for each object, channel of the object, unit and type in the PDOs.
 
 use canvass_analyzer::{Multiplexer, NodeId, Number, SignalValue};
 use canvass_traces::ChannelId;
@@ -35,6 +35,8 @@ struct Key {
     channel: ChannelId,
     node: NodeId,
     object: Multiplexer,
+    /// The number of the value among the values of the object in its PDO.
+    repetition: Option<u8>,
     scaled: bool,
     kind: u8,
 }
@@ -71,7 +73,8 @@ impl Columns {
     /// The column of a value, made if it is new; `None` if there are too many.
     pub(super) fn of(&mut self, place: &Place<'_>, number: Number, unit: &str) -> Option<usize> {
         let Place { channel, node, signal, scaled, .. } = *place;
-        let key = Key { channel, node, object: signal.multiplexer(), scaled, kind: kind(number) };
+        let (object, repetition) = (signal.multiplexer(), signal.repetition);
+        let key = Key { channel, node, object, repetition, scaled, kind: kind(number) };
         let known = self.by_key.get(&key).into_iter().flatten();
         if let Some(column) = known.filter_map(|&at| self.columns.get(at)).find(|column| column.unit == unit) {
             return Some(column.number);

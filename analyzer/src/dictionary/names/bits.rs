@@ -27,6 +27,14 @@ pub(crate) fn bit_names(index: Index, profile: Option<u16>) -> &'static [&'stati
     }
 }
 
+/// The object whose bits have the same meaning, such as the alarms for the supported alarms; `None` for most objects.
+pub(crate) fn same_bits(index: Index, profile: Option<u16>) -> Option<Index> {
+    let device = logical_device(index, profile?)?;
+    let twin = device.profile.same_bits(device.object)?;
+    // The objects of a further logical device follow at the same distance.
+    Some(Index(index.0 - device.object.0 + twin.0))
+}
+
 /// The name of an object's bit, if the standard defines it; manufacturer-specific bits have none.
 pub fn bit_name(index: Index, bit: u8, profile: Option<u16>) -> Option<&'static str> {
     bit_names(index, profile).get(usize::from(bit)).copied().filter(|name| !name.is_empty())

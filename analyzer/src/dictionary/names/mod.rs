@@ -8,16 +8,17 @@ mod cia301;
 mod cia302;
 mod clauses;
 mod error_codes;
+mod meaning;
 mod profile;
 mod units;
 
 pub use bits::bit_name;
-pub(crate) use bits::bit_names;
+pub(crate) use bits::{bit_names, same_bits};
 pub(crate) use error_codes::find as find_error;
 pub use error_codes::{ErrorCodes, ErrorName, error_name, error_names};
+pub use meaning::{Meaning, meaning};
 pub use profile::{
-    Configured, Profile, Registered, Role, acting, has_role, is_profile, known_profile, meaning, possible, profiles,
-    with_role,
+    Configured, Profile, Registered, Role, acting, has_role, is_profile, known_profile, possible, profiles, with_role,
 };
 pub use units::{Unit, unit};
 

@@ -3,7 +3,7 @@
 //! A profile registers itself; nothing else names it. Look-ups for frames use tables that are built once from all
 //! profiles, so that a frame costs no virtual call.
 
-use super::{StandardObject, Unit};
+use super::{Meaning, StandardObject, Unit};
 use crate::identity::{Index, Multiplexer};
 use crate::object::Acting;
 use crate::wire::emcy::EmcyCode;
@@ -32,7 +32,12 @@ pub trait Profile: Sync {
     }
 
     /// The meaning of a whole value of an object of the first logical device, such as the name of a state.
-    fn meaning(&self, _: Multiplexer, _value: i64) -> Option<&'static str> {
+    fn meaning(&self, _: Multiplexer, _value: i64) -> Option<Meaning> {
+        None
+    }
+
+    /// The kind of a device by the high word of its device type (1000h).
+    fn device_kind(&self, _: u16) -> Option<&'static str> {
         None
     }
 
@@ -40,6 +45,11 @@ pub trait Profile: Sync {
     /// bit that the meaning of the whole value includes.
     fn bits(&self, _: Index) -> &'static [&'static str] {
         &[]
+    }
+
+    /// The object whose bits have the same meaning as the bits of this object, and whose bits the manual describes.
+    fn same_bits(&self, _: Index) -> Option<Index> {
+        None
     }
 
     /// The unit of an entry, if the profile fixes it.
@@ -221,12 +231,6 @@ pub(super) fn logical_device(index: Index, number: u16) -> Option<LogicalDevice>
     let device = offset / size;
     let object = Index(OBJECTS.0 + offset % size);
     (device < known.devices).then_some(LogicalDevice { object, number: device + 1, profile: known.profile })
-}
-
-/// The meaning of a whole value of an object.
-pub fn meaning(at: Multiplexer, value: i64, number: Option<u16>) -> Option<&'static str> {
-    let device = logical_device(at.index, number?)?;
-    device.profile.meaning(Multiplexer { index: device.object, ..at }, value)
 }
 
 fn known(number: u16) -> Option<&'static Known> {

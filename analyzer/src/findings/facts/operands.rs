@@ -60,7 +60,7 @@ pub fn collect(record: &Record, decoded: &Decoded, bus: &Bus, operands: &mut Vec
 fn transferred(node: NodeId, decoded: &Decoded, bus: &Bus) -> Option<Operand> {
     let transfer = bus.transfer(decoded.channel?)?;
     let (object, data) = (transfer.multiplexer, transfer.data());
-    if transfer.outcome != Outcome::Complete || !matches!(object.index.0, 0x6000..=0x9FFF) || data.len() > 8 {
+    if transfer.outcome != Outcome::Complete || !matches!(object.index.0, 0x2000..=0x9FFF) || data.len() > 8 {
         return None;
     }
     let mut bytes = [0; 8];

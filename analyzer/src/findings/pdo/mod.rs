@@ -1,5 +1,6 @@
 //! Rules about PDOs, SYNC and TIME.
 
+mod cycle_too_short;
 mod ended;
 mod inhibit_time;
 mod jitter;

@@ -9,7 +9,7 @@ pub mod state;
 mod units;
 
 use crate::dictionary::Unit;
-use crate::dictionary::names::{Profile, Registered, StandardObject, find_error};
+use crate::dictionary::names::{Meaning, Profile, Registered, StandardObject, find_error};
 use crate::identity::{Index, Multiplexer};
 use crate::wire::emcy::EmcyCode;
 use state::{Command, State};
@@ -54,9 +54,9 @@ impl Profile for Cia402 {
         units::of(at)
     }
 
-    fn meaning(&self, at: Multiplexer, value: i64) -> Option<&'static str> {
+    fn meaning(&self, at: Multiplexer, value: i64) -> Option<Meaning> {
         let word = u16::try_from(value).ok();
-        match at.index.0 {
+        let name = match at.index.0 {
             objects::STATUSWORD => State::of(word?).map(State::name),
             objects::CONTROLWORD => Some(Command::of(word?).name()),
             objects::MODE | objects::MODE_DISPLAY => state::mode(i8::try_from(value).ok()?),
@@ -65,7 +65,8 @@ impl Profile for Cia402 {
                 self.emergency(code).or_else(|| code.name())
             }
             _ => None,
-        }
+        };
+        name.map(Meaning::Name)
     }
 
     fn emergency(&self, code: EmcyCode) -> Option<&'static str> {
@@ -97,7 +98,10 @@ mod tests {
 
     #[test]
     fn values_have_meanings() {
-        let of = |index, value| Cia402.meaning(Multiplexer::new(index, 0), value);
+        let of = |index, value| match Cia402.meaning(Multiplexer::new(index, 0), value) {
+            Some(Meaning::Name(name)) => Some(name),
+            _ => None,
+        };
         assert_eq!(of(objects::STATUSWORD, 0x0237), Some("operation enabled"));
         assert_eq!(of(objects::MODE_DISPLAY, 8), Some("cyclic synchronous position"));
         assert_eq!(of(objects::MODE, -3), None);

@@ -41,3 +41,13 @@ pub(super) const fn of(index: Index) -> &'static [&'static str] {
         _ => &[],
     }
 }
+
+/// The object that a manual describes for both: the status shows the parameters, and what is supported is what can be set.
+pub(super) const fn same(index: Index) -> Option<Index> {
+    Some(Index(match index.0 {
+        objects::OPERATING_STATUS => objects::OPERATING_PARAMETERS,
+        objects::SUPPORTED_ALARMS => objects::ALARMS,
+        objects::SUPPORTED_WARNINGS => objects::WARNINGS,
+        _ => return None,
+    }))
+}

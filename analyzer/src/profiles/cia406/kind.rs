@@ -19,3 +19,14 @@ impl Kind {
         }
     }
 }
+
+/// The name of the type of encoder in the high word of 1000h.
+pub(super) const fn name(high_word: u16) -> Option<&'static str> {
+    Some(match high_word {
+        0x01 => "single-turn absolute rotary encoder",
+        0x02 => "multi-turn absolute rotary encoder",
+        0x08 => "absolute linear encoder",
+        0x09 => "absolute linear encoder with cyclic coding",
+        _ => return None,
+    })
+}

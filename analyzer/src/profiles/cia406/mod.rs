@@ -12,7 +12,7 @@ mod scaling;
 mod units;
 
 use crate::dictionary::Unit;
-use crate::dictionary::names::{Configured, Profile, Registered, Role, StandardObject};
+use crate::dictionary::names::{Configured, Meaning, Profile, Registered, Role, StandardObject};
 use crate::identity::{Index, Multiplexer};
 use crate::object::Acting;
 
@@ -39,6 +39,25 @@ impl Profile for Cia406 {
 
     fn bits(&self, index: Index) -> &'static [&'static str] {
         bits::of(index)
+    }
+
+    fn same_bits(&self, index: Index) -> Option<Index> {
+        bits::same(index)
+    }
+
+    fn meaning(&self, at: Multiplexer, value: i64) -> Option<Meaning> {
+        let value = u32::try_from(value).ok()?;
+        match (at.index.0, at.sub.0, value) {
+            (objects::PROFILE_AND_SOFTWARE_VERSION, 0, _) => {
+                Some(Meaning::Versions(value as u16, (value >> 16) as u16))
+            }
+            (objects::OPERATING_TIME | objects::SERIAL_NUMBER, 0, UNUSED) => Some(Meaning::Name("not used")),
+            _ => None,
+        }
+    }
+
+    fn device_kind(&self, high_word: u16) -> Option<&'static str> {
+        kind::name(high_word)
     }
 
     fn unit(&self, at: Multiplexer) -> Option<Unit> {
@@ -70,12 +89,16 @@ impl Profile for Cia406 {
     }
 }
 
+/// The value of 6508h and 650Bh in a device that does not support them.
+const UNUSED: u32 = u32::MAX;
+
 /// The roles of objects, by index.
 const ROLES: &[(u16, &[Role])] = &[
     (objects::OPERATING_PARAMETERS, &[Role::Scaling]),
     (objects::UNITS_PER_REVOLUTION, &[Role::Scaling]),
     (objects::MEASURING_STEPS, &[Role::Scaling]),
     (objects::SPEED_PARAMETER, &[Role::Scaling]),
+    (objects::ACCELERATION_PARAMETER, &[Role::Scaling]),
     (objects::CYCLIC_TIMER, &[Role::Parameter, Role::EventTimer]),
     (objects::OPERATING_STATUS, &[Role::Scaling]),
     (objects::SINGLE_TURN_RESOLUTION, &[Role::Scaling, Role::Constant]),
@@ -89,7 +112,7 @@ const ROLES: &[(u16, &[Role])] = &[
 mod tests {
     use super::*;
     use crate::dictionary::DataType;
-    use crate::dictionary::names::{acting, bit_name, object_name, unit};
+    use crate::dictionary::names::{acting, bit_name, meaning, object_name, unit};
 
     #[test]
     fn roles_are_in_the_order_of_the_objects() {
@@ -124,6 +147,18 @@ mod tests {
         );
         let object = object_name(Multiplexer::new(0x6004, 0), Some(NUMBER)).unwrap().object;
         assert_eq!(object.clause().to_string(), "CiA 406, section unknown");
+    }
+
+    /// The values that the manuals of Kübler, Lika and TR-Electronic print.
+    #[test]
+    fn versions_types_and_unused_values_have_a_meaning() {
+        let of = |index, value| meaning(Multiplexer::new(index, 0), value, Some(NUMBER)).map(|text| text.to_string());
+        assert_eq!(of(0x6507, 0x0101_0301).as_deref(), Some("profile 3.1, software 1.01"));
+        assert_eq!(of(0x6507, 0x2201_0140).as_deref(), Some("profile 1.40, software 22.01"));
+        assert_eq!(of(0x6508, 0xFFFF_FFFF).as_deref(), Some("not used"));
+        assert_eq!(of(0x1000, 0x0002_0196).as_deref(), Some("profile 406, multi-turn absolute rotary encoder"));
+        assert_eq!(of(0x1000, 0x0009_0196).as_deref(), Some("profile 406, absolute linear encoder with cyclic coding"));
+        assert_eq!((of(0x1000, 0x196).as_deref(), of(0x6508, 5)), (Some("profile 406"), None));
     }
 
     #[test]

@@ -1,4 +1,5 @@
-//! Physical values of encoders in the current configuration: degrees or millimetres of a position, the unit of a speed.
+//! Physical values of encoders in the current configuration: degrees or millimetres of a position, the units of speed
+//! and acceleration.
 
 use super::kind::Kind;
 use super::{makers, objects};
@@ -16,6 +17,7 @@ pub(super) fn scale(at: Multiplexer, device: &dyn Configured) -> Option<Unit> {
     }
     match at.index.0 {
         objects::SPEED_VALUE => speed(device),
+        objects::ACCELERATION_VALUE => acceleration(device),
         objects::POSITION_RAW_VALUE => position(device, true),
         _ => position(device, false),
     }
@@ -30,6 +32,7 @@ const fn may_scale(object: Multiplexer) -> bool {
         objects::CHANNEL_PRESET_VALUES
         | objects::CHANNEL_POSITION_VALUES
         | objects::SPEED_VALUE
+        | objects::ACCELERATION_VALUE
         | 0x6310..=0x6317
         | 0x6320..=0x6327
         | 0x6330..=0x6337
@@ -91,6 +94,18 @@ fn speed(device: &dyn Configured) -> Option<Unit> {
         (None, Some(symbol)) => Some(Unit { factor: 1.0, offset: 0.0, symbol }),
         (None, None) => None,
     }
+}
+
+/// The unit of an acceleration: the unit of the speed per second, with multiplier and divisor of 6041h.
+fn acceleration(device: &dyn Configured) -> Option<Unit> {
+    let speed = speed(device)?;
+    let of = |sub| positive(device, objects::ACCELERATION_PARAMETER, sub).map(f64::from);
+    let factor = of(3).zip(of(4)).map_or(1.0, |(multiplier, divisor)| divisor / multiplier);
+    let symbol = match &*speed.symbol {
+        "steps/s" => Cow::Borrowed("steps/s²"),
+        other => Cow::Owned(format!("{other}/s")),
+    };
+    Some(Unit { factor: speed.factor * factor, offset: 0.0, symbol })
 }
 
 /// The state of the bit of 6000h that an annotation calls "Speed format".

@@ -1,14 +1,14 @@
 //! Compares `docs/models.md` with the keys that the program reads from a sheet, and with the existing sheets.
 
 use super::FILES;
-use super::annotations::{Bit, Choice, Signal};
+use super::annotations::{Bit, Choice, Mapped, Redundant, Signal, State, Unused};
 use super::deviations::DeviationTables;
-use super::emergency::Emergency;
+use super::emergency::{Emergency, Field};
 use super::network::{Network, StartUp};
 use super::quirks::Quirks;
 use super::recognition::{Number, Recognition, Text};
 use super::rules::{Check, Link};
-use super::sheet::{BitRate, LmtAddress, Sheet, Storage, Timing, Value};
+use super::sheet::{BitRate, CheckedRow, LmtAddress, Sheet, Storage, Timing, Value};
 use serde::de::{Deserialize, Deserializer, Error, Visitor, value};
 use std::collections::BTreeSet;
 use toml::Table;
@@ -68,11 +68,17 @@ fn every_key_that_is_read_is_documented() {
         fields_of::<Link>(),
         fields_of::<Check>(),
         fields_of::<Emergency>(),
+        fields_of::<Field>(),
         fields_of::<LmtAddress>(),
         fields_of::<Quirks>(),
         fields_of::<Signal>(),
         fields_of::<Choice>(),
         fields_of::<Bit>(),
+        fields_of::<Mapped>(),
+        fields_of::<Redundant>(),
+        fields_of::<CheckedRow>(),
+        fields_of::<State>(),
+        fields_of::<Unused>(),
         fields_of::<DeviationTables>(),
     ];
     let missing: Vec<&str> = fields.concat().into_iter().filter(|field| !is_documented(field)).collect();

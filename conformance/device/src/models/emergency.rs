@@ -1,6 +1,6 @@
 //! The EMCY messages that the manual of a model lists.
 
-use canvass_analyzer::dictionary::KnownEmergency;
+use canvass_analyzer::dictionary::{EmergencyField, KnownEmergency, Unit};
 use canvass_analyzer::wire::emcy::EmcyCode;
 use serde::Deserialize;
 use serde::de::IgnoredAny as ForPeople;
@@ -24,15 +24,26 @@ pub struct Emergency {
     /// For people: the values of this row that the manual does not give.
     #[serde(default)]
     pub assumed: ForPeople,
-    /// For people: the content of the manufacturer-specific bytes.
+    /// The contents of the manufacturer-specific bytes.
     #[serde(default)]
-    pub fields: ForPeople,
+    pub fields: Vec<Field>,
+}
+
+/// The content of one manufacturer-specific byte: a register or, with a unit, byte + offset.
+#[derive(Clone, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Field {
+    name: String,
+    unit: Option<String>,
+    #[serde(default)]
+    offset: f64,
 }
 
 impl Emergency {
     /// The message in the form that the analyzer uses.
     pub(super) fn known(&self) -> KnownEmergency {
-        KnownEmergency { code: self.code(), bytes: self.bytes.clone(), text: self.text.clone() }
+        let fields = self.fields.iter().map(Field::known).collect();
+        KnownEmergency { code: self.code(), bytes: self.bytes.clone(), text: self.text.clone(), fields }
     }
 
     /// The error code.
@@ -50,5 +61,12 @@ impl Emergency {
         let mut bytes = [0; 5];
         bytes.iter_mut().zip(&self.bytes).for_each(|(to, from)| *to = *from);
         bytes
+    }
+}
+
+impl Field {
+    fn known(&self) -> EmergencyField {
+        let unit = |symbol: &String| Unit { factor: 1.0, offset: self.offset, symbol: symbol.clone().into() };
+        EmergencyField { name: self.name.clone(), unit: self.unit.as_ref().map(unit) }
     }
 }

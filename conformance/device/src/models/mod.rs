@@ -15,7 +15,7 @@ mod rules;
 mod sheet;
 
 pub use deviations::Deviation;
-pub use emergency::Emergency;
+pub use emergency::{Emergency, Field};
 pub(crate) use generic::{is_writable, written};
 pub use network::{Network, StartUp, Trigger};
 pub use profile::{ApplicationSheet, ProfileSheet, RegisteredSheet};

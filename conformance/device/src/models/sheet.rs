@@ -1,6 +1,6 @@
 //! The sheet of a device model, in the structure of its TOML file.
 
-use super::annotations::{Bit, Choice, Signal};
+use super::annotations::{Bit, Choice, Mapped, Signal, Unused};
 use super::emergency::Emergency;
 use super::network::Network;
 use super::profile::ApplicationSheet;
@@ -8,7 +8,7 @@ use super::quirks::Quirks;
 use super::recognition::Recognition;
 use super::rules::{Check, Link, Rule};
 use canvass_analyzer::Multiplexer;
-use canvass_analyzer::dictionary::{Manual, Settings};
+use canvass_analyzer::dictionary::{Checked, Manual, Settings};
 use canvass_analyzer::object::Acting;
 use canvass_analyzer::wire::lmt::Seven;
 use canvass_analyzer::wire::sdo::AbortCode;
@@ -54,6 +54,9 @@ pub struct Sheet {
     /// Objects of the manufacturer that act when they are written, and so are no settings.
     #[serde(default)]
     pub(super) acts: Vec<ActingRow>,
+    /// Objects that repeat another object for comparison.
+    #[serde(default)]
+    pub(super) checked: Vec<CheckedRow>,
     /// The EMCY messages that the manual lists.
     #[serde(default, rename = "emergency")]
     pub emergencies: Vec<Emergency>,
@@ -92,6 +95,12 @@ pub struct Sheet {
     /// The names of bits of objects.
     #[serde(default, rename = "bit")]
     pub(super) bits: Vec<Bit>,
+    /// Bits of objects that have no meaning in the device.
+    #[serde(default)]
+    pub(super) unused: Vec<Unused>,
+    /// The objects that PDOs carry in another form than their data type tells.
+    #[serde(default)]
+    pub(super) mapped: Vec<Mapped>,
 }
 
 impl Sheet {
@@ -111,6 +120,7 @@ impl Sheet {
             annotations: self.annotations(),
             settings: self.settings(),
             emergencies: self.emergencies.iter().map(Emergency::known).collect(),
+            checked: self.checked.iter().map(CheckedRow::known).collect(),
             acting: self.acting(),
         }
     }
@@ -124,10 +134,12 @@ impl Sheet {
     /// The objects that set node-ID and bit rate, and further settings that the analyzer needs.
     fn settings(&self) -> Settings {
         let rate = |rate: &BitRate| Some((u32::from(rate.object_code?), rate.kbit.saturating_mul(1_000)));
+        let shortest = |rate: &BitRate| Some((rate.kbit.saturating_mul(1_000), rate.minimum_pdo_cycle_ms?));
         Settings {
             node_id: self.network.node_id_object,
             bit_rate: self.network.bit_rate_object,
             bit_rates: self.bit_rates.iter().filter_map(rate).collect(),
+            shortest_cycles: self.bit_rates.iter().filter_map(shortest).collect(),
             layer_management: self.network.lmt,
             padded_tpdos: self.network.padded_tpdos.clone(),
         }
@@ -159,9 +171,8 @@ pub struct BitRate {
     pub object_code: Option<u8>,
     /// The code of the bit rate in LSS; `None`: not selectable by LSS.
     pub lss_code: Option<u8>,
-    /// For people: the shortest cycle of PDOs at this bit rate.
-    #[serde(default)]
-    pub minimum_pdo_cycle_ms: ForPeople,
+    /// The shortest event timer of TPDOs at this bit rate.
+    pub minimum_pdo_cycle_ms: Option<u32>,
     /// For people: whether PDOs may be sent on change at this bit rate.
     #[serde(default)]
     pub sends_on_change: ForPeople,
@@ -266,6 +277,28 @@ impl Default for Storage {
             save_object: ForPeople,
             stored_values_load: ForPeople,
         }
+    }
+}
+
+/// An object with its inverse and its checksum.
+#[derive(Clone, Copy, Debug, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub(super) struct CheckedRow {
+    #[serde(deserialize_with = "address")]
+    at: Multiplexer,
+    /// The object with the inverted bits.
+    #[serde(default, deserialize_with = "address_option")]
+    inverse: Option<Multiplexer>,
+    /// The object with the CRC-CCITT over the four bytes.
+    #[serde(default, deserialize_with = "address_option")]
+    crc: Option<Multiplexer>,
+    #[serde(default)]
+    crc_start: u16,
+}
+
+impl CheckedRow {
+    const fn known(&self) -> Checked {
+        Checked { value: self.at, inverse: self.inverse, crc: self.crc, crc_start: self.crc_start }
     }
 }
 

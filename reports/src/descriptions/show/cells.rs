@@ -4,7 +4,7 @@ use super::{Shown, at};
 use crate::escape::printable;
 use canvass_analyzer::dictionary::difference::Fact;
 use canvass_analyzer::dictionary::layout::{PdoField, PdoLayout};
-use canvass_analyzer::dictionary::names::is_cob_id;
+use canvass_analyzer::dictionary::names::{is_cob_id, meaning};
 use canvass_analyzer::dictionary::{Entry, Object, Setting};
 use canvass_analyzer::wire::pdo::{MappingEntry, TransmissionType};
 use canvass_analyzer::{CobId, Multiplexer};
@@ -26,14 +26,15 @@ impl Cells {
     pub fn of(shown: &Shown, object: &Object, entry: &Entry) -> Self {
         let at = at(object, entry.sub);
         let text = |of: &Option<Setting>| of.as_ref().map(|of| setting(shown, at, entry, of)).unwrap_or_default();
+        let value = |of: &Option<Setting>| of.as_ref().map(|of| with_meaning(shown, at, entry, of)).unwrap_or_default();
         Self {
             name: printable(&entry.name).into_owned(),
             data_type: entry.data_type.to_string(),
             access: entry.access.name(),
             mapping: mapping(entry),
-            default: text(&entry.default),
+            default: value(&entry.default),
             limits: limits(&text(&entry.low_limit), &text(&entry.high_limit)),
-            configured: text(&entry.configured),
+            configured: value(&entry.configured),
         }
     }
 }
@@ -67,6 +68,17 @@ fn setting(shown: &Shown, at: Multiplexer, entry: &Entry, setting: &Setting) -> 
         None => Fact::Setting(setting),
     };
     printable(&fact.to_string()).into_owned()
+}
+
+/// A value with its meaning in the standard or the profile. COB-IDs and mapping entries show their parts already.
+fn with_meaning(shown: &Shown, at: Multiplexer, entry: &Entry, of: &Setting) -> String {
+    let text = setting(shown, at, entry, of);
+    let is_in_parts = is_cob_id(at) || canvass_analyzer::object::is_pdo_mapping(at.index.0);
+    let raw = of.fixed().filter(|_| !is_in_parts).and_then(|value| i64::try_from(value.to_raw()?).ok());
+    match raw.and_then(|raw| meaning(at, raw, shown.description.device_profile())) {
+        Some(meaning) => format!("{text} ({meaning})"),
+        None => text,
+    }
 }
 
 /// The object that a mapping entry names.

@@ -35,7 +35,11 @@ pub(crate) fn tell_bits(index: u16, kind: &str, context: &Context<'_>, sink: &mu
                 let annotated = described.and_then(|device| device.manual.annotations.get(operand.object));
                 let annotated = annotated.and_then(|annotation| annotation.bit(bit)).map(|name| name.name.to_string());
                 let standard = || bit_name(operand.object.index, bit, Some(NUMBER)).map(str::to_owned);
-                let name = annotated.or_else(standard).map(|name| format!(": {}", name.escape_debug()));
+                // A bit that the manual calls unused has an empty name.
+                let name = annotated
+                    .or_else(standard)
+                    .filter(|name| !name.is_empty())
+                    .map(|name| format!(": {}", name.escape_debug()));
                 format!("{kind} bit {bit} of {}{}", operand.object, name.unwrap_or_default())
             });
         }

@@ -7,5 +7,6 @@ mod parameter_changed;
 mod position_frozen;
 mod position_jump;
 mod position_outside_range;
+mod raw_position;
 mod redundant_channels;
 mod warning;
