@@ -21,8 +21,8 @@ const SHOWN: usize = 64;
 
 impl ValueText<'_> {
     fn number(&self, raw: u64, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        if let Some(name) = self.object.choice(raw) {
-            return write!(f, "{raw} ({})", Escaped(name));
+        if let Some(done) = self.choice(raw, f) {
+            return done;
         }
         let meaning = self.object.meaning(raw as i64);
         // A value with a meaning of its own is no quantity.
@@ -68,7 +68,15 @@ impl ValueText<'_> {
         if first { Ok(()) } else { f.write_str(")") }
     }
 
+    /// The value with the name that the device's manual gives it; `None` if it gives none.
+    fn choice(&self, raw: u64, f: &mut fmt::Formatter<'_>) -> Option<fmt::Result> {
+        self.object.choice(raw).map(|name| write!(f, "{raw} ({})", Escaped(name)))
+    }
+
     fn integer(&self, value: i64, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        if let Some(done) = u64::try_from(value).ok().and_then(|raw| self.choice(raw, f)) {
+            return done;
+        }
         if let Some(done) = self.physical(value as f64, f) {
             return done;
         }
