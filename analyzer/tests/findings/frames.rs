@@ -112,6 +112,21 @@ fn a_request_for_a_pdo_that_gets_no_answer() {
     traffic.silence(0x182, 10_002, 10_003).finds("pdo/request-unanswered", Some(2), 10_000);
 }
 
+#[test]
+fn a_pdo_on_request_that_comes_unrequested() {
+    let polled = |transmission_type: &str| {
+        let mut traffic = Traffic::default();
+        traffic.at(10, &format!("602#2F001802{transmission_type}000000")).at(11, "582#6000180200000000");
+        traffic.every(30, 20_000, 100, |_| "702#05".to_owned()).every(500, 20_000, 500, |_| "182#R4".to_owned());
+        traffic.every(502, 20_000, 500, |n| format!("182#{:02X}000000", n & 0xFF));
+        traffic
+    };
+    polled("FD").only(&[]);
+    polled("FD").at(10_100, "182#55000000").finds("pdo/unrequested", Some(2), 10_100);
+    // An event may send a PDO of another type.
+    polled("FF").at(10_100, "182#55000000").only(&[]);
+}
+
 /// Node 2 sends an SRDO every 50 ms.
 fn safety() -> Traffic {
     let mut traffic = Traffic::default();

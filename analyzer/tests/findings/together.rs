@@ -99,6 +99,7 @@ const ELSEWHERE: &[&str] = &[
     "pdo/request-unanswered",
     "pdo/sync-additional",
     "pdo/sync-jitter",
+    "pdo/unrequested",
     "sdo/impatient-client",
     "sdo/reserved-bits",
     "sdo/too-early",

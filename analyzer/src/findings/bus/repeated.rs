@@ -1,8 +1,10 @@
+use crate::NodeId;
 use crate::findings::effect::Effect;
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Seen, Severity};
 use crate::message::{Message, Service};
+use crate::object;
 use crate::wire::lss::{MASTER_CAN_ID, SLAVE_CAN_ID};
 use crate::wire::sdo::Request;
 use canvass_macros::rule;
@@ -13,10 +15,11 @@ const EFFECTS: &[Effect] = &[Effect::on_the_rest().of_same_node().if_less_grave(
 
 /// a frame is repeated without pause
 ///
-/// The same frame comes again and again, with less than three milliseconds between two frames. SYNC must come ten times
-/// as often, because a producer sends late messages at once. Messages that come regularly, such as PDOs and heartbeats,
-/// count only if they came with longer pauses before, and if no command and no SDO download can have changed their period;
-/// the severity is then warning. A request that is answered each time is not repeated: a client may poll.
+/// The same frame comes again and again, with less than three milliseconds between two frames. After a pause of SYNC its
+/// messages must come ten times as often, because a producer sends late messages at once. Messages that come regularly,
+/// such as PDOs and heartbeats, count only if they came with longer pauses before, and if no command and no SDO download
+/// to their node can have changed their period; the severity is then warning. A request that is answered each time is not
+/// repeated: a client may poll.
 ///
 /// # Why
 /// The frame takes the bus from all messages with higher CAN-IDs, and its receivers execute it each time.
@@ -39,8 +42,29 @@ struct Repeated {
     #[threshold(us = 3000)]
     pause: Duration,
     run: Option<Box<Run>>,
-    /// By CAN-ID, the number of consecutive longer pauses of regular messages; empty before the first one.
-    slow: Vec<u8>,
+    /// By CAN-ID, the pauses of regular messages; empty before the first one.
+    slow: Vec<Pauses>,
+    /// The last two longer pauses of SYNC, the later one last.
+    sync: [Duration; 2],
+}
+
+/// The longer pauses of a regular message.
+#[derive(Clone, Copy, Default)]
+struct Pauses {
+    /// Number of consecutive pauses.
+    count: u8,
+    /// The node that the message concerns; `None` if the message has none.
+    node: Option<NodeId>,
+}
+
+/// The messages whose period a frame may change.
+enum Changed {
+    /// No messages.
+    Nothing,
+    /// The messages of one node.
+    Node(NodeId),
+    /// All messages: those that follow SYNC among them.
+    All,
 }
 
 /// Repetitions of a frame.
@@ -72,36 +96,69 @@ fn is_dialogue(can_id: u16, previous: &Seen, context: &Context<'_>) -> bool {
     other.is_some_and(|other| other.time() >= previous.time())
 }
 
-/// Whether the frame may change the period of other messages.
-fn changes_periods(context: &Context<'_>) -> bool {
-    let is_download = matches!(
-        context.message(),
-        Message::SdoRequest(Request::InitiateDownload { .. } | Request::InitiateBlockDownload { .. })
-    );
-    is_download || context.begins_anew()
+/// The messages whose period the frame may change.
+fn changed(context: &Context<'_>) -> Changed {
+    if context.begins_anew() {
+        return Changed::All;
+    }
+    let (
+        Message::SdoRequest(
+            Request::InitiateDownload { multiplexer, .. } | Request::InitiateBlockDownload { multiplexer, .. },
+        ),
+        Some(node),
+    ) = (context.message(), context.node())
+    else {
+        return Changed::Nothing;
+    };
+    match multiplexer.index.0 {
+        object::COB_ID_SYNC | object::COMMUNICATION_CYCLE_PERIOD => Changed::All,
+        _ => Changed::Node(node),
+    }
 }
 
 impl Repeated {
     /// Number of longer pauses after which frames without pause are not the usual period of a regular message.
-    const SELDOM: u8 = 5;
+    const SELDOM: u8 = 2;
 
     /// Notes a pause of a regular message.
-    fn paused(&mut self, can_id: u16) {
+    fn paused(&mut self, can_id: u16, pause: Duration, context: &Context<'_>) {
+        if context.decoded.service == Service::Sync {
+            self.sync = [self.sync[1], pause];
+        }
         if self.slow.is_empty() {
-            self.slow.resize(0x800, 0);
+            self.slow.resize(0x800, Pauses::default());
         }
         if let Some(slow) = self.slow.get_mut(usize::from(can_id)) {
-            *slow = slow.saturating_add(1);
+            *slow = Pauses { count: slow.count.saturating_add(1), node: context.node() };
+        }
+    }
+
+    /// Forgets the pauses of messages that may have another period now.
+    fn forget(&mut self, changed: &Changed) {
+        match changed {
+            Changed::Nothing => {}
+            Changed::Node(node) => {
+                self.slow.iter_mut().filter(|slow| slow.node == Some(*node)).for_each(|slow| slow.count = 0);
+            }
+            Changed::All => self.slow.fill(Pauses::default()),
         }
     }
 
     /// Begins to count, if the message does not come as often in its usual period.
     #[cold]
     fn begin(&mut self, can_id: u16, previous: &Seen, is_regular: bool) {
-        let slow = self.slow.get_mut(usize::from(can_id)).map_or(0, std::mem::take);
+        let slow = self.slow.get_mut(usize::from(can_id)).map_or(0, |slow| std::mem::take(&mut slow.count));
         if !is_regular || slow >= Self::SELDOM {
             self.run = Some(Box::new(Run { can_id, count: 1, first: previous.clone() }));
         }
+    }
+
+    /// Number of repetitions of a message that is reported.
+    fn most(&self, service: Service) -> u64 {
+        let [usual, last] = self.sync;
+        // After a regular pause a producer of SYNC has no late messages to send.
+        let may_catch_up = service == Service::Sync && last > usual.times(2);
+        if may_catch_up { 10 * self.most } else { self.most }
     }
 
     #[cold]
@@ -123,24 +180,23 @@ impl Rule for Repeated {
         let (Some(previous), Some(can_id)) = (context.previous, context.record.frame.id().as_standard()) else {
             return;
         };
-        if changes_periods(context) {
-            self.slow.fill(0);
-        }
+        self.forget(&changed(context));
         let service = context.decoded.service;
         let is_regular = is_regular(service) && *context.message() != Message::GlobalFailSafe;
-        if context.now().since(previous.time()) > self.pause {
+        let pause = context.now().since(previous.time());
+        if pause > self.pause {
             if is_regular {
-                self.paused(can_id);
+                self.paused(can_id, pause, context);
             }
             return;
         }
         if previous.record.frame != context.record.frame || is_dialogue(can_id, previous, context) {
             return;
         }
+        let most = self.most(service);
         match self.run.as_deref_mut() {
             Some(run) if run.can_id == can_id && run.first.record.frame == context.record.frame => {
                 run.count += 1;
-                let most = if service == Service::Sync { 10 * self.most } else { self.most };
                 let is_due = run.count == most || run.count > most && run.count.is_power_of_two();
                 if is_due && let Some(run) = self.run.take() {
                     self.tell(&run, context, sink);

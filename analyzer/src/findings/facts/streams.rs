@@ -250,7 +250,7 @@ impl Stream {
         self.regular >= Self::USUAL
             && near(interval + before, self.period, close)
             && near(interval, earlier, close)
-            && short * 100 < self.period * 38
+            && short * 100 < self.period * 45
             && long - short > 2 * close
     }
 

@@ -7,9 +7,9 @@ use canvass_macros::rule;
 
 /// a PDO changes its length
 ///
-/// A PDO whose mapping is not known has had one length in at least 20 frames, and then comes with another. NMT
-/// commands, boot-ups and writes to its parameters begin anew. Where the mapping is known, pdo/length compares
-/// with it.
+/// A PDO whose mapping is not known, or an RPDO that may be longer than its mapping, has had one length in at least 20
+/// frames, and then comes with another. NMT commands, boot-ups and writes to its parameters begin anew. Lengths that the
+/// mapping forbids belong to pdo/length.
 ///
 /// # Why
 /// The length of a PDO follows from its mapping, which does not change while its node is operational (CiA 301): the
@@ -28,10 +28,12 @@ impl Rule for LengthChanged {
             return;
         };
         let Message::Pdo(pdo) = *context.message() else { return };
-        if context.scene.bus.node(node).is_some_and(|known| known.known_layout(pdo).is_some()) {
+        let found = context.record.frame.len();
+        let layout = context.scene.bus.node(node).and_then(|known| known.known_layout(pdo));
+        let is_allowed = |mapped: usize| matches!(pdo, PdoNumber::Receive(_)) && mapped <= found;
+        if layout.is_some_and(|layout| !is_allowed(layout.length())) {
             return;
         }
-        let found = context.record.frame.len();
         let detail = match pdo {
             PdoNumber::Transmit(number) => u64::from(number) << 8 | found as u64,
             PdoNumber::Receive(number) => 1 << 32 | u64::from(number) << 8 | found as u64,

@@ -16,6 +16,7 @@ mod sync_missing;
 mod sync_pdo_missing;
 mod sync_window;
 mod time_jump;
+mod unrequested;
 
 use super::Context;
 use crate::network::sdo::{Direction, Outcome};
