@@ -217,6 +217,12 @@ impl<'a> Bench<'a> {
         self.traffic.evidence()
     }
 
+    /// The time that the case has taken so far.
+    pub(crate) fn time_of_case(&self) -> Duration {
+        let first = self.evidence().frames().next();
+        first.map_or(Duration::ZERO, |first| self.now().since(first.record.timestamp))
+    }
+
     /// Whether the run must end: the user has cancelled it, or its time is over.
     pub(crate) fn is_cancelled(&self) -> bool {
         self.traffic.is_cancelled()

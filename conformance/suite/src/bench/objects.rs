@@ -4,12 +4,13 @@ use super::Bench;
 use super::profile::{self, Profile};
 use crate::verdict::{Reason, Stop};
 use canvass_analyzer::Multiplexer;
-use canvass_analyzer::dictionary::DataType;
+use canvass_analyzer::dictionary::{Access, DataType};
 use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::{AbortCode, Payload, Response};
 use canvass_bus::client::Outcome;
 use canvass_bus::client::sdo::Mode;
+use canvass_traces::Duration;
 
 /// COB-ID of TPDO 1.
 pub(crate) const TPDO_COB_ID: Multiplexer = Multiplexer::new(object::TPDO_COMMUNICATION_PARAMETER, 1);
@@ -208,6 +209,27 @@ impl Bench<'_> {
             }
         }
         Ok(found)
+    }
+
+    /// Whether an object may change without a write: a number of the application that can only be read, such as a
+    /// measured value, a counter or a time.
+    pub(crate) fn changes_by_itself(&self, at: Multiplexer) -> bool {
+        let described = self.target.description.as_ref().and_then(|known| known.dictionary.entry(at).ok());
+        let is_number = |data_type: DataType| !TEXTS.contains(&data_type) && data_type != DataType::DOMAIN;
+        at.index.0 >= 0x2000
+            && described.is_some_and(|entry| {
+                !entry.access.is_writable() && entry.access != Access::Const && is_number(entry.data_type)
+            })
+    }
+
+    /// Whether the value of an object changes in these 100 ms without a write.
+    pub(crate) fn moves(&mut self, at: Multiplexer) -> Result<bool, Stop> {
+        if !self.changes_by_itself(at) {
+            return Ok(false);
+        }
+        let before = self.read(at)?;
+        self.listen(Duration::from_millis(100))?;
+        Ok(self.read(at)? != before)
     }
 
     fn is_text(&self, multiplexer: Multiplexer) -> bool {

@@ -198,9 +198,28 @@ impl Bench<'_> {
         duty: impl Into<Cow<'static, str>>,
     ) -> Judged {
         let now = self.upload(multiplexer)?.value()?;
-        self.check(demand(now == right, || {
-            let breach = Breach::new(multiplexer, duty).expected(Observation::Value(right.to_vec()));
-            breach.found(Observation::Value(now))
+        self.expect_same(multiplexer, right, now, duty)
+    }
+
+    /// Requires that a value that was read is the right one; `duty` says why. Another value of an object that changes by
+    /// itself proves nothing.
+    ///
+    /// # Errors
+    /// [`Stop::Inconclusive`] if the object has changed by itself.
+    pub(crate) fn expect_same(
+        &mut self,
+        at: Multiplexer,
+        right: &[u8],
+        found: Vec<u8>,
+        duty: impl Into<Cow<'static, str>>,
+    ) -> Judged {
+        if found != right && found.len() == right.len() && self.changes_by_itself(at) {
+            let [right, found] = [right, &*found].map(|value| Observation::Value(value.to_vec()).to_string());
+            return Err(Stop::Inconclusive(Reason::new(format!("{at} stays the same during the case"), right, found)));
+        }
+        self.check(demand(found == right, || {
+            let breach = Breach::new(at, duty).expected(Observation::Value(right.to_vec()));
+            breach.found(Observation::Value(found))
         }))
     }
 

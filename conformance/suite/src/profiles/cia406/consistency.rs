@@ -2,7 +2,9 @@
 //! different width (6004h, 6008h), and the position by SDO and by PDO.
 
 use super::number;
-use super::position::{OFFSET, POSITION, RANGE, UNITS_PER_REVOLUTION, is_near, position_at_rest, small_range};
+use super::position::{
+    OFFSET, POSITION, RANGE, UNITS_PER_REVOLUTION, at_rest, is_near, position_at_rest, shorter, small_range,
+};
 use super::preset::preset;
 use crate::bench::Bench;
 use crate::bench::pdo::TPDO;
@@ -63,11 +65,12 @@ fn high_precision(bench: &mut Bench<'_>) -> Judged {
     let bytes = bench.upload(HIGH_PRECISION)?.value()?;
     let wide = bytes.iter().take(8).rev().fold(0_u64, |value, &byte| value << 8 | u64::from(byte));
     let fits = |shift: u32| u32::try_from(wide >> shift).is_ok_and(|found| is_near(found, position, range));
-    bench.check(demand((0..=32).any(fits), || {
+    let check = demand((0..=32).any(fits), || {
         let duty = "6008h shows the same place as 6004h";
         let breach = Breach::new(HIGH_PRECISION, duty);
         breach.expected(format!("{position}, or that times a power of two")).found(Observation::Value(bytes.clone()))
-    }))
+    });
+    at_rest(bench, check)
 }
 
 /// If the second TPDO is synchronous as delivered and carries the position, it follows SYNC with the current position.
@@ -101,10 +104,11 @@ fn second_synchronous(bench: &mut Bench<'_>) -> Judged {
         return bench.check(Err(Box::new(breach.expected("a TPDO").found(Observation::Silence))));
     };
     let found = crate::bench::sdo::number(first.data());
-    bench.check(demand(is_near(found, position, u32::MAX), || {
+    let check = demand(is_near(found, position, u32::MAX), || {
         let breach = Breach::new(TPDO_2, "TPDO 2 carries the current position");
         breach.expected(number(position)).found(number(found))
-    }))
+    });
+    at_rest(bench, check)
 }
 
 /// When the scaling changes after a preset, the position stays inside the new range, and 6509h changes with it: the
@@ -127,11 +131,12 @@ fn scaling_changed(bench: &mut Bench<'_>) -> Judged {
         breach.expected(format!("below {}", range / 2)).found(number(position))
     })?;
     let found = without_offset(bench, position, range / 2)?;
-    bench.check(demand(is_near(found, shaft / 2, range / 2), || {
+    let check = demand(is_near(found, shaft / 2, range / 2), || {
         let duty = "6004h without 6509h is the place of the shaft in the new units";
         let breach = Breach::new(OFFSET, duty).expected(number(shaft / 2));
         breach.found(number(found)).told(format!("{position} - {offset}"))
-    }))
+    });
+    at_rest(bench, check)
 }
 
 /// The position without the offset 6509h, within the range.
@@ -179,11 +184,4 @@ fn moving(bench: &mut Bench<'_>) -> Judged {
         let breach = Breach::new(POSITION, "after a preset the position continues to count");
         breach.expected("another position in 50 ms").found(Observation::named("always the same"))
     }))
-}
-
-/// The shorter way from one position to another.
-fn shorter(from: u32, to: u32, range: u32) -> i64 {
-    let range = i64::from(range);
-    let way = (i64::from(to) - i64::from(from)).rem_euclid(range);
-    if way > range / 2 { way - range } else { way }
 }

@@ -1,7 +1,7 @@
 //! Preset (6003h) and offset (6509h). After each case the zero point is where it was before.
 
 use super::number;
-use super::position::{OFFSET, POSITION, PRESET, is_near, position_at_rest};
+use super::position::{OFFSET, POSITION, PRESET, at_rest, is_near, position_at_rest};
 use super::zero_point::positions;
 use crate::bench::Bench;
 use crate::bench::objects::EVENT_TIMER;
@@ -50,11 +50,12 @@ fn offset(bench: &mut Bench<'_>) -> Judged {
     let expected = shift.rem_euclid(range.into()) as u32;
     let offset = bench.read_number(OFFSET)? as i32;
     let found = i64::from(offset).rem_euclid(range.into()) as u32;
-    bench.check(demand(is_near(found, expected, range), || {
+    let check = demand(is_near(found, expected, range), || {
         let duty = "6509h is the shift of the position by the preset";
         let breach = Breach::new(OFFSET, duty).expected(format!("{shift}, modulo {range}"));
         breach.found(Observation::Value(offset.to_le_bytes().to_vec())).told(format!("{offset}"))
-    }))
+    });
+    at_rest(bench, check)
 }
 
 /// 6004h shows the preset as soon as it is confirmed, without a jump in between.
@@ -65,10 +66,11 @@ fn at_once(bench: &mut Bench<'_>) -> Judged {
     preset(bench, wanted)?;
     for _ in 0..10 {
         let position = bench.read_number(POSITION)?;
-        demand(is_near(position, wanted, range), || {
+        let check = demand(is_near(position, wanted, range), || {
             let breach = Breach::new(POSITION, "after a preset 6004h has its value immediately");
             breach.expected(number(wanted)).found(number(position))
-        })?;
+        });
+        at_rest(bench, check)?;
     }
     Ok(())
 }
@@ -96,10 +98,11 @@ fn tpdo(bench: &mut Bench<'_>) -> Judged {
         return Err(Stop::Inconclusive(reason));
     };
     let position = crate::bench::sdo::number(first.data());
-    bench.check(demand(is_near(position, wanted, range), || {
+    let check = demand(is_near(position, wanted, range), || {
         let breach = Breach::new(TPDO_1, "the first TPDO after a preset carries the preset");
         breach.expected(number(wanted)).found(number(position))
-    }))
+    });
+    at_rest(bench, check)
 }
 
 /// A preset that was not stored is lost at reset node.
@@ -112,10 +115,11 @@ fn volatile(bench: &mut Bench<'_>) -> Judged {
     let before = preset(bench, wanted)?;
     bench.reset(Command::RESET_NODE)?;
     let position = position_at_rest(bench)?;
-    bench.check(demand(is_near(position, before, range), || {
+    let check = demand(is_near(position, before, range), || {
         let duty = "a preset that was not stored is lost at reset node";
         Breach::new(POSITION, duty).expected(number(before)).found(number(position))
-    }))
+    });
+    at_rest(bench, check)
 }
 
 /// A preset that 1010h stored is restored after reset node.
@@ -127,10 +131,11 @@ fn stored(bench: &mut Bench<'_>) -> Judged {
     save(bench)?;
     bench.reset(Command::RESET_NODE)?;
     let position = position_at_rest(bench)?;
-    bench.check(demand(is_near(position, wanted, range), || {
+    let check = demand(is_near(position, wanted, range), || {
         let duty = "a stored preset is restored after reset node";
         Breach::new(POSITION, duty).expected(number(wanted)).found(number(position))
-    }))
+    });
+    at_rest(bench, check)
 }
 
 fn save(bench: &mut Bench<'_>) -> Result<(), Stop> {

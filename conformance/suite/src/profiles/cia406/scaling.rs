@@ -2,7 +2,7 @@
 
 use super::number;
 use super::position::{
-    CODE_SEQUENCE, OFFSET, POSITION, RANGE, SCALING, UNITS_PER_REVOLUTION, is_near, operate, position_at_rest,
+    CODE_SEQUENCE, OFFSET, POSITION, RANGE, SCALING, UNITS_PER_REVOLUTION, at_rest, is_near, operate, position_at_rest,
     small_range,
 };
 use super::preset::preset;
@@ -74,14 +74,15 @@ fn proportional(bench: &mut Bench<'_>) -> Judged {
         bench.write(UNITS_PER_REVOLUTION, &units.to_le_bytes())?;
         let position = position_at_rest(bench)?;
         let expected = u32::try_from(physical * u64::from(units) / steps % u64::from(range)).unwrap_or(0);
-        bench.check(demand(is_near(position, expected, range), || {
+        let check = demand(is_near(position, expected, range), || {
             let duty = format!(
                 "with {units} units and {steps} steps per revolution, {physical} steps are position {expected}"
             );
             let stays = u64::from(position).abs_diff(physical) <= 1;
             let found = if stays { Observation::named("the position without scaling") } else { number(position) };
             Breach::new(POSITION, duty).expected(number(expected)).found(found).told(position.to_string())
-        }))
+        });
+        at_rest(bench, check)
     })
 }
 
@@ -196,10 +197,11 @@ fn mirror(bench: &mut Bench<'_>, range: u32) -> Judged {
     }
     let [up, down] = seen;
     let sum = u32::try_from((up + down).rem_euclid(range.into())).unwrap_or(u32::MAX);
-    bench.check(demand(is_near(sum, 0, range), || {
+    let check = demand(is_near(sum, 0, range), || {
         let duty = format!("the positions in both code sequences add up to 6002h = {range}");
         let expected = (i64::from(range) - up).rem_euclid(range.into());
         let breach = Breach::new(POSITION, duty).expected(format!("{up} and {expected}"));
         breach.found(Observation::named("positions that do not add up to 6002h")).told(format!("{up} and {down}"))
-    }))
+    });
+    at_rest(bench, check)
 }

@@ -1,7 +1,7 @@
 //! The scaling bit (6000h bit 2), without which 6001h and 6002h have no effect.
 
 use super::number;
-use super::position::{OFFSET, POSITION, SCALING, UNITS_PER_REVOLUTION, is_near, operate, position_at_rest};
+use super::position::{OFFSET, POSITION, SCALING, UNITS_PER_REVOLUTION, at_rest, is_near, operate, position_at_rest};
 use crate::bench::Bench;
 use crate::case;
 use crate::verdict::{Breach, Judged, demand};
@@ -19,9 +19,10 @@ fn off(bench: &mut Bench<'_>) -> Judged {
     let attempt = bench.download(UNITS_PER_REVOLUTION, &(units / 2).max(1).to_le_bytes())?;
     let taken = attempt.outcome == Outcome::Downloaded;
     let after = position_at_rest(bench)?;
-    bench.check(demand(is_near(before, after, u32::MAX), || {
+    let check = demand(is_near(before, after, u32::MAX), || {
         let written = if taken { "taken" } else { "refused" };
         let duty = format!("with scaling off, 6001h = {} ({written}) does not move the position", units / 2);
         Breach::new(POSITION, duty).expected(format!("{before} (offset {offset})")).found(number(after))
-    }))
+    });
+    at_rest(bench, check)
 }

@@ -1,7 +1,8 @@
 //! Speed (6030h) and acceleration (6040h). The actual speed is calculated from the position.
 
 use super::position::{
-    CODE_SEQUENCE, OPERATING_PARAMETERS, POSITION, RANGE, SCALING, UNITS_PER_REVOLUTION, operate, position_at_rest,
+    CODE_SEQUENCE, OPERATING_PARAMETERS, POSITION, RANGE, SCALING, UNITS_PER_REVOLUTION, at_rest, operate,
+    position_at_rest, shorter,
 };
 use super::preset::range_now;
 use crate::bench::Bench;
@@ -38,22 +39,62 @@ fn shown(number: i64) -> Observation {
     Observation::Value((number as i32).to_le_bytes().to_vec())
 }
 
-/// The change of 6004h in units per second, measured over half a second.
-fn units_per_second(bench: &mut Bench<'_>) -> Result<f64, Stop> {
-    let range = f64::from(range_now(bench)?);
-    let (began, first) = (bench.now(), bench.read_number(POSITION)?);
-    bench.listen(Duration::from_millis(500))?;
-    let (ended, second) = (bench.now(), bench.read_number(POSITION)?);
-    let change = f64::from(second) - f64::from(first);
-    // The shorter way to the new position.
-    let change = if change > range / 2.0 {
-        change - range
-    } else if change < -range / 2.0 {
-        change + range
-    } else {
-        change
-    };
-    Ok(change * 1_000.0 / ended.since(began).as_millis())
+/// The change of 6004h, measured over half a second.
+#[derive(Clone, Copy)]
+struct Course {
+    /// The change in units per second.
+    speed: f64,
+    /// Maximum error of `speed`, as a position is a whole number of units.
+    error: f64,
+}
+
+impl Course {
+    fn measure(bench: &mut Bench<'_>) -> Result<Self, Stop> {
+        /// Number of readings: the position passes less than half of its range between two of them.
+        const READINGS: u32 = 25;
+        let range = range_now(bench)?;
+        let (began, mut last) = (bench.now(), bench.read_number(POSITION)?);
+        let mut change = 0_i64;
+        let mut ended = began;
+        for _ in 0..READINGS {
+            bench.listen(Duration::from_millis(20))?;
+            ended = bench.now();
+            let position = bench.read_number(POSITION)?;
+            let step = shorter(last, position, range);
+            if step.unsigned_abs() > u64::from(range / 3) {
+                return Err(unmeasured(
+                    "the position passes less than a third of its range between two readings",
+                    step,
+                ));
+            }
+            change += step;
+            last = position;
+        }
+        let seconds = ended.since(began).as_millis() / 1_000.0;
+        Ok(Self { speed: change as f64 / seconds, error: 2.0 / seconds })
+    }
+
+    /// The same course in a unit of which there are `factor` for each unit of the position.
+    fn times(self, factor: f64) -> Self {
+        Self { speed: self.speed * factor, error: self.error * factor.abs() }
+    }
+
+    /// Requires that the speed is at least this, and large against its error.
+    fn at_least(self, least: f64) -> Result<Self, Stop> {
+        let is_certain = self.speed.abs() >= least && self.speed.abs() >= 3.0 * self.error;
+        let duty = format!("the shaft turns fast enough to be measured: {:.0} units per second", least.ceil());
+        if is_certain { Ok(self) } else { Err(unmeasured(duty, format!("{:.1}", self.speed))) }
+    }
+
+    /// Whether a value of the device shows the speed: it differs by at most a tenth, by 2, or by the error.
+    fn is_shown_by(self, value: f64) -> bool {
+        is_like(value, self.speed.abs()) || (value - self.speed.abs()).abs() <= self.error
+    }
+}
+
+/// The end of a case whose motion can't be measured.
+fn unmeasured(duty: impl Into<String>, found: impl ToString) -> Stop {
+    Stop::Inconclusive(Reason::new(duty, "a motion that can be measured", found.to_string()))
 }
 
 fn units_per_revolution(bench: &mut Bench<'_>) -> Result<f64, Stop> {
@@ -73,9 +114,10 @@ fn rest(bench: &mut Bench<'_>) -> Judged {
     position_at_rest(bench)?;
     bench.listen(Duration::from_secs(2))?;
     let speed = signed(bench, SPEED)?;
-    bench.check(demand(speed.abs() <= 2, || {
+    let check = demand(speed.abs() <= 2, || {
         Breach::new(SPEED, "6030h is 0 at rest").expected("0").found(shown(speed)).told(speed.to_string())
-    }))
+    });
+    at_rest(bench, check)
 }
 
 /// In revolutions per minute, the speed equals the measured change of the position.
@@ -85,11 +127,12 @@ fn revolutions_per_minute(bench: &mut Bench<'_>) -> Judged {
     let [v3, v4] = SPEED_FORMATS;
     let format = if in_units_bit(bench)? == v3 { v3 } else { v4 };
     operate(bench, 0, format)?;
-    let turned = units_per_second(bench)? * 60.0 / units_per_revolution(bench)?;
+    let minute = 60.0 / units_per_revolution(bench)?;
+    let turned = Course::measure(bench)?.times(minute).at_least(1.0)?;
     let speed = signed(bench, SPEED)?;
-    bench.check(demand(is_like((speed as f64).abs(), turned.abs()), || {
+    bench.check(demand(turned.is_shown_by((speed as f64).abs()), || {
         let breach = Breach::new(SPEED, "6030h is the speed in revolutions per minute");
-        breach.expected(format!("{turned:.0}")).found(shown(speed)).told(speed.to_string())
+        breach.expected(format!("{:.0}", turned.speed)).found(shown(speed)).told(speed.to_string())
     }))
 }
 
@@ -98,11 +141,16 @@ fn revolutions_per_minute(bench: &mut Bench<'_>) -> Judged {
 #[case(id = "406/speed/sign", clause = "CiA 406", confidence = Unknown, level = Must,
        needs = super::needs[Encoder, Speed, TurningShaft], catches = [SpeedSignIgnoresCodeSequence, SpeedDoubledBackwards])]
 fn sign(bench: &mut Bench<'_>) -> Judged {
+    /// A slower speed in revolutions per minute may be rounded to 0.
+    const LEAST: f64 = 2.0;
     let mut seen = Vec::new();
+    let minute = 60.0 / units_per_revolution(bench)?;
     bench.each([(0, CODE_SEQUENCE), (CODE_SEQUENCE, 0)], |bench, (with, without)| {
         operate(bench, with, without)?;
         bench.listen(Duration::from_millis(500))?;
-        let turned = units_per_second(bench)?;
+        let turned = Course::measure(bench)?;
+        turned.times(minute).at_least(LEAST)?;
+        let turned = turned.speed;
         let speed = signed(bench, SPEED)?;
         seen.push((speed as f64, turned));
         bench.check(demand(speed as f64 * turned > 0.0, || {
@@ -146,6 +194,8 @@ fn format(bench: &mut Bench<'_>) -> Judged {
     let slow = signed(bench, SPEED)?;
     operate(bench, bit, 0)?;
     bench.listen(Duration::from_millis(500))?;
+    // Slower, both formats show nearly the same number.
+    Course::measure(bench)?.at_least(8.0)?;
     let fast = signed(bench, SPEED)?;
     bench.check(demand(fast.abs() > slow.abs() + 2, || {
         let duty = "6030h in units per second is 256/60 of 6030h in revolutions per minute, or more";
@@ -167,17 +217,14 @@ fn units(bench: &mut Bench<'_>) -> Judged {
         bench.write(RANGE, &range.to_le_bytes())?;
         bench.write(UNITS_PER_REVOLUTION, &units.to_le_bytes())?;
         bench.listen(Duration::from_millis(500))?;
-        let turned = units_per_second(bench)?.abs();
-        let steps = match raw {
-            true => turned * f64::from(bench.read_number(SINGLE_TURN)?) / f64::from(units),
-            false => turned,
-        };
-        let turned = steps.min(most(bench)?);
+        let steps = if raw { f64::from(bench.read_number(SINGLE_TURN)?) / f64::from(units) } else { 1.0 };
+        let turned = Course::measure(bench)?.times(steps).at_least(1.0)?;
+        let turned = Course { speed: turned.speed.abs().min(most(bench)?), ..turned };
         let speed = signed(bench, SPEED)?;
-        bench.check(demand(is_like((speed as f64).abs(), turned), || {
+        bench.check(demand(turned.is_shown_by((speed as f64).abs()), || {
             let of = if raw { "the raw position" } else { "6004h" };
             let duty = format!("with {units} units per revolution 6030h is the change of {of} per second");
-            let breach = Breach::new(SPEED, duty).expected(format!("{turned:.0}"));
+            let breach = Breach::new(SPEED, duty).expected(format!("{:.0}", turned.speed));
             breach.found(shown(speed)).told(speed.to_string())
         }))
     })

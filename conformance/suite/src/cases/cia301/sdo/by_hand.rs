@@ -4,11 +4,10 @@ use crate::bench::Bench;
 use crate::bench::objects::Scratch;
 use crate::bench::sdo::Reply;
 use crate::situation::Situation;
-use crate::verdict::{Breach, Judged, Precondition, Reason, Stop, demand};
+use crate::verdict::{Judged, Precondition, Reason, Stop};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object;
 use canvass_analyzer::wire::sdo::{Payload, Request, Response, Segment};
-use canvass_bus::observation::Observation;
 
 /// An object and a sub-index that no device has, each with its situation.
 pub(super) const MISSING: [(Multiplexer, Situation); 2] = [
@@ -100,9 +99,5 @@ pub(super) fn finish_upload(
         }
         toggle = !toggle;
     }
-    bench.check(demand(data == right, || {
-        Breach::new(multiplexer, "the segments of an upload contain the whole value, each byte once")
-            .expected(Observation::Value(right.to_vec()))
-            .found(Observation::Value(data))
-    }))
+    bench.expect_same(multiplexer, right, data, "the segments of an upload contain the whole value, each byte once")
 }
