@@ -6,6 +6,7 @@ use super::position::{
     OFFSET, POSITION, RANGE, UNITS_PER_REVOLUTION, at_rest, is_near, position_at_rest, shorter, small_range,
 };
 use super::preset::preset;
+use super::speed::Course;
 use crate::bench::Bench;
 use crate::bench::pdo::TPDO;
 use crate::case;
@@ -157,10 +158,9 @@ fn moving(bench: &mut Bench<'_>) -> Judged {
         return Err(Stop::NotApplicable(reason));
     }
     let range = super::preset::range_now(bench)?;
-    let (began, first) = (bench.now(), bench.read_number(POSITION)?);
-    bench.listen(Duration::from_millis(200))?;
-    let (ended, second) = (bench.now(), bench.read_number(POSITION)?);
-    let per_ms = shorter(first, second, range).unsigned_abs() as f64 / ended.since(began).as_millis();
+    // In 50 ms the position counts by at least two.
+    let course = Course::measure(bench)?.at_least(40.0)?;
+    let per_ms = (course.speed.abs() + course.error) / 1_000.0;
     let wanted = range / 2;
     bench.download(PRESET, &wanted.to_le_bytes())?.expect_confirmation()?;
     let set = bench.now();

@@ -39,19 +39,32 @@ fn shown(number: i64) -> Observation {
     Observation::Value((number as i32).to_le_bytes().to_vec())
 }
 
+/// The requirement on the motion, for reports.
+const CONSTANT: &str = "the shaft turns at constant speed";
+
 /// The change of 6004h, measured over half a second.
 #[derive(Clone, Copy)]
-struct Course {
+pub(super) struct Course {
     /// The change in units per second.
-    speed: f64,
+    pub speed: f64,
     /// Maximum error of `speed`, as a position is a whole number of units.
-    error: f64,
+    pub error: f64,
 }
 
 impl Course {
-    fn measure(bench: &mut Bench<'_>) -> Result<Self, Stop> {
+    /// Measures the course of a shaft that turns at constant speed.
+    pub fn measure(bench: &mut Bench<'_>) -> Result<Self, Stop> {
+        let [one, other] = [Self::quarter_second(bench)?, Self::quarter_second(bench)?];
+        let is_constant = other.is_shown_by(one.speed.abs()) && one.speed * other.speed >= 0.0;
+        if !is_constant && (one.speed - other.speed).abs() > one.error + other.error {
+            return Err(unmeasured(CONSTANT, format!("{:.0} and then {:.0} units per second", one.speed, other.speed)));
+        }
+        Ok(Self { speed: (one.speed + other.speed) / 2.0, error: one.error / 2.0 })
+    }
+
+    fn quarter_second(bench: &mut Bench<'_>) -> Result<Self, Stop> {
         /// Number of readings: the position passes less than half of its range between two of them.
-        const READINGS: u32 = 25;
+        const READINGS: u32 = 12;
         let range = range_now(bench)?;
         let (began, mut last) = (bench.now(), bench.read_number(POSITION)?);
         let mut change = 0_i64;
@@ -80,7 +93,7 @@ impl Course {
     }
 
     /// Requires that the speed is at least this, and large against its error.
-    fn at_least(self, least: f64) -> Result<Self, Stop> {
+    pub fn at_least(self, least: f64) -> Result<Self, Stop> {
         let is_certain = self.speed.abs() >= least && self.speed.abs() >= 3.0 * self.error;
         let duty = format!("the shaft turns fast enough to be measured: {:.0} units per second", least.ceil());
         if is_certain { Ok(self) } else { Err(unmeasured(duty, format!("{:.1}", self.speed))) }
@@ -239,10 +252,15 @@ fn most(bench: &mut Bench<'_>) -> Result<f64, Stop> {
 #[case(id = "406/speed/divisor", clause = "CiA 406", confidence = Unknown, level = Should,
        needs = super::needs[Encoder, SpeedParameters, TurningShaft], catches = [SpeedDivisorIgnored])]
 fn divisor(bench: &mut Bench<'_>) -> Judged {
+    let before = Course::measure(bench)?;
     let whole = signed(bench, SPEED)? as f64;
     bench.write(DIVISOR, &5_u16.to_le_bytes())?;
     bench.listen(Duration::from_millis(500))?;
     let part = signed(bench, SPEED)? as f64;
+    let after = Course::measure(bench)?;
+    if !after.is_shown_by(before.speed.abs()) {
+        return Err(unmeasured(CONSTANT, format!("{:.0} and then {:.0} units per second", before.speed, after.speed)));
+    }
     bench.check(demand(is_like(part * 5.0, whole) || (part - whole / 5.0).abs() <= 1.0, || {
         let breach = Breach::new(SPEED, "6031h:04 = 5 divides the speed by 5");
         breach.expected(format!("{:.0}", whole / 5.0)).found(shown(part as i64)).told(part.to_string())
