@@ -13,7 +13,9 @@ use canvass_fuzzer::campaign::Found;
 use canvass_fuzzer::liberties::{FuzzedLiberties, Sparing};
 use canvass_fuzzer::reproducer;
 use canvass_suite::case::Case;
-use canvass_suite::selftest::{self, Chance, FaultRow, LibertyRow, Masked, Masking, Matrix, ModelRow};
+use canvass_suite::selftest::{
+    self, Chance, FaultRow, LibertyRow, Masked, Masking, Matrix, ModelRow, MotionRow, Moving,
+};
 use canvass_suite::verdict::{Kind, Reason};
 use std::fmt::Write as _;
 use std::io::{self, Write};
@@ -31,7 +33,9 @@ pub fn json(matrix: &Matrix, fuzzed: &Sparing, out: &mut dyn Write) -> io::Resul
         masked: matrix.masking.masked.iter().map(masked).collect(),
         matrix: matrix.faults.iter().map(fault).collect(),
         missed_beside_liberties: matrix.sparing.missed.iter().map(missed).collect(),
+        missed_trembling: matrix.moving.missed.iter().map(|fault| fault.id().into()).collect(),
         models: matrix.models.iter().map(model).collect(),
+        motions: matrix.moving.rows.iter().map(motion).collect(),
         schema: SelftestResult::SCHEMA.into(),
         summary: summary(matrix, fuzzed),
         vacuous_cases: ids(&matrix.vacuous_cases()),
@@ -55,9 +59,13 @@ fn summary(matrix: &Matrix, fuzzed: &Sparing) -> Summary {
         liberties: matrix.sparing.alone.len(),
         masked: matrix.masking.masked.len(),
         missed_beside_liberties: matrix.sparing.missed.len(),
+        missed_trembling: matrix.moving.missed.len(),
         models: matrix.models.len(),
+        motions: matrix.moving.rows.len(),
+        motions_spared: matrix.moving.spared(),
         put_beside_liberties: matrix.sparing.tried,
         spared: matrix.sparing.spared(),
+        trembling: matrix.moving.tried,
         vacuous_cases: matrix.vacuous_cases().len(),
     }
 }
@@ -113,6 +121,16 @@ fn liberty(row: &LibertyRow) -> results::selftest::Liberties {
     }
 }
 
+fn motion(row: &MotionRow) -> results::selftest::Motion {
+    results::selftest::Motion {
+        executed: row.executed,
+        false_alarms: false_alarms(&row.alarms),
+        model: row.model.into(),
+        motion: row.motion.into(),
+        start: row.start,
+    }
+}
+
 fn violations(row: &FuzzedLiberties) -> results::selftest::FuzzedLiberties {
     let violations = row.violations.iter().map(violation).collect();
     results::selftest::FuzzedLiberties { liberties: words(row.liberties), model: row.model.into(), violations }
@@ -153,6 +171,7 @@ pub fn text(matrix: &Matrix, fuzzed: &Sparing) -> String {
     line(&mut text, &format!("{detected} of {faults} faults detected ({share} %) by {} cases", matrix.cases.len()));
     masked_lines(&mut text, &matrix.masking);
     sparing_lines(&mut text, &matrix.sparing, fuzzed);
+    moving_lines(&mut text, &matrix.moving);
     masking_line(&mut text, &matrix.masking);
     let (alarms, vacuous, models) = (matrix.false_alarms(), matrix.vacuous_cases().len(), matrix.models.len());
     line(&mut text, &format!("{alarms} false alarms on {models} models and {faults} faults, {vacuous} vacuous cases"));
@@ -226,6 +245,22 @@ fn sparing_lines(text: &mut String, sparing: &selftest::Sparing, fuzzed: &Sparin
             "sensitivity beside random liberties: {found} of {looked_for} faults found; {hidden} did not show there"
         ),
     );
+}
+
+/// Appends the results for devices that move.
+fn moving_lines(text: &mut String, moving: &Moving) {
+    for row in &moving.rows {
+        for (case, kind, reason) in &row.alarms {
+            let place = format!("{} {} from position {}", row.model, row.motion, row.start);
+            line(text, &format!("not spared: {place}: {} ends with {kind}: {reason}", case.id));
+        }
+    }
+    for fault in &moving.missed {
+        line(text, &format!("missed: {fault} on a trembling device"));
+    }
+    let (spared, all, tried) = (moving.spared(), moving.rows.len(), moving.tried);
+    let found = tried - moving.missed.len();
+    line(text, &format!("motion: {spared} of {all} motions spared, {found} of {tried} faults found while trembling"));
 }
 
 /// Appends the results of the fuzzer for liberties.

@@ -114,7 +114,7 @@ impl Args {
         let mut chance = Chance { seed: self.seed, ..Chance::WHOLE };
         let mut models: Vec<&'static Model> = Model::all().iter().collect();
         if of_faults {
-            chance.combinations = 0;
+            (chance.combinations, chance.starts) = (0, 0);
             models.retain(|model| faults.iter().any(|fault| fault.model() == model.id()));
         }
         let matrix = selftest::run(&cases, &faults, &models, Extent::Whole, chance);

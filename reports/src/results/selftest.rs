@@ -19,8 +19,12 @@ pub struct SelftestResult {
     /// One row for each fault.
     pub matrix: Vec<FaultRow>,
     pub missed_beside_liberties: Vec<FaultBesideLiberties>,
+    /// Faults that no case finds on a device whose measured value trembles.
+    pub missed_trembling: Vec<Word>,
     /// One row for each model without fault.
     pub models: Vec<ModelRow>,
+    /// One row for each model without fault in each motion.
+    pub motions: Vec<Motion>,
     #[schemars(extend("const" = Self::SCHEMA))]
     pub schema: Word,
     pub summary: Summary,
@@ -46,9 +50,15 @@ pub struct Summary {
     pub liberties: usize,
     pub masked: usize,
     pub missed_beside_liberties: usize,
+    pub missed_trembling: usize,
     pub models: usize,
+    pub motions: usize,
+    /// Number of models and motions on which no case failed.
+    pub motions_spared: usize,
     pub put_beside_liberties: usize,
     pub spared: usize,
+    /// Number of faults that were looked for on devices whose measured value trembles.
+    pub trembling: usize,
     pub vacuous_cases: usize,
 }
 
@@ -100,6 +110,18 @@ pub struct ModelRow {
     pub executed: usize,
     pub false_alarms: Vec<FalseAlarm>,
     pub model: Word,
+}
+
+/// The cases on a model whose measured value moves.
+#[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]
+pub struct Motion {
+    /// The number of cases that were executed.
+    pub executed: usize,
+    pub false_alarms: Vec<FalseAlarm>,
+    pub model: Word,
+    pub motion: Word,
+    /// The position at the beginning, in steps of the physical resolution; the range ends before step 0.
+    pub start: i64,
 }
 
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize, JsonSchema)]

@@ -7,11 +7,13 @@
 pub mod alone;
 mod liberties;
 mod masking;
+mod motions;
 pub mod null;
 pub mod wire;
 
 pub use liberties::{Chance, LibertyRow, Sparing, random_liberties};
 pub use masking::{Masked, Masking};
+pub use motions::{MotionRow, Moving};
 
 use crate::bench::{Bench, Knowledge, Options, Target};
 use crate::case::Case;
@@ -62,6 +64,8 @@ pub struct Matrix {
     pub masking: Masking,
     /// The liberties of the standard that fail a case.
     pub sparing: Sparing,
+    /// The motions that fail a case.
+    pub moving: Moving,
     /// The cases that ran.
     pub cases: Vec<&'static Case>,
 }
@@ -119,13 +123,14 @@ impl Matrix {
     }
 
     /// Whether every fault was detected, every case detects a fault, no case misses a fault that it names, there was no
-    /// false alarm, no manual hides a fault, and no liberty fails a case.
+    /// false alarm, no manual hides a fault, and no liberty and no motion fails a case.
     pub fn is_good(&self) -> bool {
         self.detected() == self.faults.len()
             && self.false_alarms() == 0
             && self.vacuous_cases().is_empty()
             && self.masking.masked.is_empty()
             && self.sparing.is_good()
+            && self.moving.is_good()
             && self.faults.iter().all(|row| row.missed.is_empty())
     }
 }
@@ -152,7 +157,8 @@ pub fn run(
         .for_each(|one| masking.add(one));
     let faults = fault_rows.into_iter().flatten().collect();
     let sparing = liberties::run(cases, &order, chance);
-    Matrix { faults, models: model_rows, masking, sparing, cases: cases.to_vec() }
+    let moving = motions::run(cases, &order, models, chance.starts);
+    Matrix { faults, models: model_rows, masking, sparing, moving, cases: cases.to_vec() }
 }
 
 /// The faults that the cases name.

@@ -2,6 +2,7 @@
 
 use super::number;
 use super::position::{OFFSET, POSITION, SCALING, UNITS_PER_REVOLUTION, at_rest, is_near, operate, position_at_rest};
+use super::preset::range_now;
 use crate::bench::Bench;
 use crate::case;
 use crate::verdict::{Breach, Judged, demand};
@@ -12,6 +13,7 @@ use canvass_bus::client::Outcome;
        needs = super::needs[Encoder], catches = [ScalingAlwaysOn])]
 fn off(bench: &mut Bench<'_>) -> Judged {
     operate(bench, 0, SCALING)?;
+    let range = range_now(bench)?;
     let before = position_at_rest(bench)?;
     let offset = bench.read_number(OFFSET)?;
     let units = bench.read_number(UNITS_PER_REVOLUTION)?;
@@ -19,7 +21,7 @@ fn off(bench: &mut Bench<'_>) -> Judged {
     let attempt = bench.download(UNITS_PER_REVOLUTION, &(units / 2).max(1).to_le_bytes())?;
     let taken = attempt.outcome == Outcome::Downloaded;
     let after = position_at_rest(bench)?;
-    let check = demand(is_near(before, after, u32::MAX), || {
+    let check = demand(is_near(before, after, range), || {
         let written = if taken { "taken" } else { "refused" };
         let duty = format!("with scaling off, 6001h = {} ({written}) does not move the position", units / 2);
         Breach::new(POSITION, duty).expected(format!("{before} (offset {offset})")).found(number(after))

@@ -54,17 +54,26 @@ pub(super) struct Course {
 impl Course {
     /// Measures the course of a shaft that turns at constant speed.
     pub fn measure(bench: &mut Bench<'_>) -> Result<Self, Stop> {
-        let [one, other] = [Self::quarter_second(bench)?, Self::quarter_second(bench)?];
-        let is_constant = other.is_shown_by(one.speed.abs()) && one.speed * other.speed >= 0.0;
-        if !is_constant && (one.speed - other.speed).abs() > one.error + other.error {
-            return Err(unmeasured(CONSTANT, format!("{:.0} and then {:.0} units per second", one.speed, other.speed)));
+        /// Parts of the measurement: the speed of each must be that of the whole. Two are not enough: around a turning
+        /// point of the speed they are equal.
+        const PARTS: usize = 4;
+        let mut parts = [Self { speed: 0.0, error: 0.0 }; PARTS];
+        for part in &mut parts {
+            *part = Self::part(bench)?;
         }
-        Ok(Self { speed: (one.speed + other.speed) / 2.0, error: one.error / 2.0 })
+        let speed = parts.iter().map(|part| part.speed).sum::<f64>() / PARTS as f64;
+        let differs = |part: &&Self| (part.speed - speed).abs() > part.error.max(speed.abs() * 0.1);
+        if let Some(part) = parts.iter().find(differs) {
+            return Err(unmeasured(CONSTANT, format!("{speed:.0} and {:.0} units per second", part.speed)));
+        }
+        let error = parts.iter().map(|part| part.error).fold(0.0, f64::max) / PARTS as f64;
+        Ok(Self { speed, error })
     }
 
-    fn quarter_second(bench: &mut Bench<'_>) -> Result<Self, Stop> {
+    /// Measures for an eighth of a second.
+    fn part(bench: &mut Bench<'_>) -> Result<Self, Stop> {
         /// Number of readings: the position passes less than half of its range between two of them.
-        const READINGS: u32 = 12;
+        const READINGS: u32 = 6;
         let range = range_now(bench)?;
         let (began, mut last) = (bench.now(), bench.read_number(POSITION)?);
         let mut change = 0_i64;
@@ -77,7 +86,7 @@ impl Course {
             if step.unsigned_abs() > u64::from(range / 3) {
                 return Err(unmeasured(
                     "the position passes less than a third of its range between two readings",
-                    step,
+                    step.to_string(),
                 ));
             }
             change += step;
@@ -106,8 +115,8 @@ impl Course {
 }
 
 /// The end of a case whose motion can't be measured.
-fn unmeasured(duty: impl Into<String>, found: impl ToString) -> Stop {
-    Stop::Inconclusive(Reason::new(duty, "a motion that can be measured", found.to_string()))
+fn unmeasured(duty: impl Into<String>, found: impl Into<String>) -> Stop {
+    Stop::Inconclusive(Reason::new(duty, "a motion that can be measured", found))
 }
 
 fn units_per_revolution(bench: &mut Bench<'_>) -> Result<f64, Stop> {
