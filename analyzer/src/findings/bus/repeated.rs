@@ -7,6 +7,7 @@ use crate::message::{Message, Service};
 use crate::object;
 use crate::wire::lss::{MASTER_CAN_ID, SLAVE_CAN_ID};
 use crate::wire::sdo::Request;
+use crate::wire::sync;
 use canvass_macros::rule;
 use canvass_traces::Duration;
 
@@ -15,11 +16,11 @@ const EFFECTS: &[Effect] = &[Effect::on_the_rest().of_same_node().if_less_grave(
 
 /// a frame is repeated without pause
 ///
-/// The same frame comes again and again, with less than three milliseconds between two frames. After a pause of SYNC its
-/// messages must come ten times as often, because a producer sends late messages at once. Messages that come regularly,
-/// such as PDOs and heartbeats, count only if they came with longer pauses before, and if no command and no SDO download
-/// to their node can have changed their period; the severity is then warning. A request that is answered each time is not
-/// repeated: a client may poll.
+/// The same frame comes again and again, with less than three milliseconds between two frames. After a pause of SYNC
+/// its messages must come ten times as often, because a producer sends late messages at once. Messages that come
+/// regularly, such as PDOs and heartbeats, count only if they came with longer pauses before, and if no command and no
+/// SDO download to their node can have changed their period; the severity is then warning. PDOs that follow SYNC do not
+/// count, nor does a request that is answered each time: a client may poll.
 ///
 /// # Why
 /// The frame takes the bus from all messages with higher CAN-IDs, and its receivers execute it each time.
@@ -96,6 +97,12 @@ fn is_dialogue(can_id: u16, previous: &Seen, context: &Context<'_>) -> bool {
     other.is_some_and(|other| other.time() >= previous.time())
 }
 
+/// Whether SYNC has come since the previous frame with the same CAN-ID: the producer of SYNC sets the pace of the PDO.
+fn follows_sync(previous: &Seen, context: &Context<'_>) -> bool {
+    let last = context.scene.latest.get(sync::CAN_ID).filter(|_| context.decoded.service == Service::Pdo);
+    last.is_some_and(|last| last.time() >= previous.time())
+}
+
 /// The messages whose period the frame may change.
 fn changed(context: &Context<'_>) -> Changed {
     if context.begins_anew() {
@@ -119,6 +126,8 @@ fn changed(context: &Context<'_>) -> Changed {
 impl Repeated {
     /// Number of longer pauses after which frames without pause are not the usual period of a regular message.
     const SELDOM: u8 = 2;
+    /// The same number for SYNC.
+    const SYNC_SELDOM: u8 = 10;
 
     /// Notes a pause of a regular message.
     fn paused(&mut self, can_id: u16, pause: Duration, context: &Context<'_>) {
@@ -146,9 +155,11 @@ impl Repeated {
 
     /// Begins to count, if the message does not come as often in its usual period.
     #[cold]
-    fn begin(&mut self, can_id: u16, previous: &Seen, is_regular: bool) {
+    fn begin(&mut self, can_id: u16, previous: &Seen, service: Service, is_regular: bool) {
         let slow = self.slow.get_mut(usize::from(can_id)).map_or(0, |slow| std::mem::take(&mut slow.count));
-        if !is_regular || slow >= Self::SELDOM {
+        // A producer of SYNC may send a few messages before it begins its cycle.
+        let seldom = if service == Service::Sync { Self::SYNC_SELDOM } else { Self::SELDOM };
+        if !is_regular || slow >= seldom {
             self.run = Some(Box::new(Run { can_id, count: 1, first: previous.clone() }));
         }
     }
@@ -190,7 +201,10 @@ impl Rule for Repeated {
             }
             return;
         }
-        if previous.record.frame != context.record.frame || is_dialogue(can_id, previous, context) {
+        if previous.record.frame != context.record.frame {
+            return;
+        }
+        if is_dialogue(can_id, previous, context) || follows_sync(previous, context) {
             return;
         }
         let most = self.most(service);
@@ -203,7 +217,7 @@ impl Rule for Repeated {
                     self.run = Some(run);
                 }
             }
-            _ => self.begin(can_id, previous, is_regular),
+            _ => self.begin(can_id, previous, service, is_regular),
         }
     }
 

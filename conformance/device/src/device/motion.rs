@@ -1,7 +1,8 @@
 //! The motion of the quantity that a simulated device measures. Position, speed, acceleration and jerk are computed
 //! from one course, so that they agree at every instant.
 //!
-//! The unit of length is the period of the sensor: a revolution of a rotary sensor, a millimetre of a linear sensor.
+//! The unit of length is a revolution of a rotary sensor or of a drum with a wire, and a millimetre of a linear sensor.
+//! A motion in millimetres moves the wire by millimetres.
 //! Time counts from the power-on of the bus.
 
 use canvass_traces::{Duration, Timestamp};
@@ -13,6 +14,7 @@ pub struct Motion {
     /// The position at time 0, in steps of the physical resolution.
     pub start: i64,
     course: Course,
+    in_millimetres: bool,
 }
 
 /// The course of a motion from its start. Lengths are in units, times in seconds.
@@ -58,24 +60,24 @@ struct Kinematics {
 impl Motion {
     /// A motion that stays at that position.
     pub const fn still(position: i64) -> Self {
-        Self { start: position, course: Course::Steady(0) }
+        Self { start: position, course: Course::Steady(0), in_millimetres: false }
     }
 
     /// Constant speed in thousandths of a revolution (of a millimetre) per minute; negative is backwards.
     pub const fn constant(start: i64, milli_rpm: i64) -> Self {
-        Self { start, course: Course::Steady(milli_rpm) }
+        Self { start, course: Course::Steady(milli_rpm), in_millimetres: false }
     }
 
     /// A motion to and fro: `amplitude` revolutions or millimetres to both sides within `period` (at least 1 µs).
     pub fn sine(start: i64, amplitude: f64, period: Duration) -> Self {
         let period = seconds(period).max(1e-6);
-        Self { start, course: Course::Sine { amplitude: finite(amplitude), period } }
+        Self { start, course: Course::Sine { amplitude: finite(amplitude), period }, in_millimetres: false }
     }
 
     /// A motion from rest to `per_minute` revolutions or millimetres per minute within `rise`, then at constant speed.
     pub fn ramp(start: i64, per_minute: f64, rise: Duration) -> Self {
         let rise = seconds(rise).max(1e-6);
-        Self { start, course: Course::Ramp { speed: finite(per_minute) / 60.0, rise } }
+        Self { start, course: Course::Ramp { speed: finite(per_minute) / 60.0, rise }, in_millimetres: false }
     }
 
     /// A motion through points: seconds, and revolutions or millimetres from the start. Between the points the speed
@@ -94,7 +96,18 @@ impl Motion {
             let speed = neighbours.map_or(0.0, |(before, after)| (after.1 - before.1) / (after.0 - before.0));
             Some(Knot { seconds, units, speed })
         };
-        Self { start, course: Course::Points((0..rising.len()).filter_map(knot).collect()) }
+        Self { start, course: Course::Points((0..rising.len()).filter_map(knot).collect()), in_millimetres: false }
+    }
+
+    /// The same numbers as millimetres, if the sensor measures a length.
+    #[must_use]
+    pub fn millimetres(self) -> Self {
+        Self { in_millimetres: true, ..self }
+    }
+
+    /// Whether the motion is in millimetres, if the sensor measures a length.
+    pub(crate) const fn is_in_millimetres(&self) -> bool {
+        self.in_millimetres
     }
 
     /// Whether the position never changes.

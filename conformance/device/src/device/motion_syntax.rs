@@ -105,7 +105,7 @@ impl MotionSpec {
             }
             points.push((time, units));
         }
-        if points.is_empty() { Err(MotionError::Empty) } else { Ok(Motion::through(0, &points)) }
+        if points.is_empty() { Err(MotionError::Empty) } else { Ok(Motion::through(0, &points).millimetres()) }
     }
 }
 
@@ -141,10 +141,11 @@ impl FromStr for MotionSpec {
                 Motion::still(steps.trim().parse().map_err(error)?)
             }
             Some(("rpm", value)) => Motion::constant(0, (speed(value)? * 1e3).round() as i64),
-            Some(("mm/s", value)) => Motion::constant(0, (speed(value)? * 60e3).round() as i64),
+            Some(("mm/s", value)) => Motion::constant(0, (speed(value)? * 60e3).round() as i64).millimetres(),
             Some(("sine", values)) => {
                 let (amplitude, period) = values.split_once(',').ok_or_else(form)?;
                 Motion::sine(0, number(amplitude, MOST, "an amplitude of at most 1000000")?, time(period)?)
+                    .millimetres()
             }
             Some(("ramp", values)) => {
                 let (target, rise) = values.split_once(',').ok_or_else(form)?;
@@ -185,7 +186,11 @@ mod tests {
         assert_eq!(known("still"), Motion::still(0));
         assert_eq!(known("still=-5"), Motion::still(-5));
         assert_eq!(known("rpm=-3.5"), Motion::constant(0, -3_500));
-        assert_eq!(known("mm/s=2"), Motion::constant(0, 120_000), "thousandths of a millimetre per minute");
+        assert_eq!(
+            known("mm/s=2"),
+            Motion::constant(0, 120_000).millimetres(),
+            "thousandths of a millimetre per minute"
+        );
         assert_eq!(known("sine=2,10"), Motion::sine(0, 2.0, Duration::from_secs(10)));
         assert_eq!(known("ramp=3000,0.5"), Motion::ramp(0, 3000.0, Duration::from_millis(500)));
         assert_eq!("csv=a=b.csv".parse(), Ok(MotionSpec::File("a=b.csv".to_owned())));

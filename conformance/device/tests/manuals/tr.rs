@@ -1,7 +1,7 @@
 //! Behaviour of TR-Electronic's devices that differs from the standards (manual 004).
 
 use crate::bench::Bench;
-use canvass_device::Motion;
+use canvass_device::{Motion, MotionSpec};
 
 const NONE: [&str; 0] = [];
 const SCALING: u32 = 4;
@@ -255,6 +255,19 @@ fn preset_of_a_linear_encoder() {
     assert_eq!(bench.read(0x6004, 0), Ok(0), "the end of the measuring range");
     bench.write(0x6000, 0, SCALING, 2).unwrap();
     assert_eq!(bench.write(0x6001, 0, 2, 4), Err(0x0800_0000), "fixed to 1");
+}
+
+/// 9.1.5.3: a step is 0.01 mm. 10 mm/s are 1000 steps a second.
+#[test]
+fn a_linear_encoder_moves_by_millimetres() {
+    let mut bench = Bench::new("tr-lmp30");
+    let Ok(MotionSpec::Known(motion)) = "mm/s=10".parse() else { panic!("no motion") };
+    bench.device.set_motion(bench.now, motion);
+    let (began, first) = (bench.now, bench.read(0x6004, 0).unwrap());
+    bench.run(1_000);
+    let (ended, last) = (bench.now, bench.read(0x6004, 0).unwrap());
+    let rate = f64::from(last - first) / ended.since(began).as_millis();
+    assert!((0.98..1.02).contains(&rate), "{rate} steps in a millisecond");
 }
 
 /// 7.1: the inhibit time can be written although the COB-ID, and so bit 31, is read-only.

@@ -198,10 +198,27 @@ impl Bench<'_> {
         duty: impl Into<Cow<'static, str>>,
     ) -> Judged {
         let now = self.upload(multiplexer)?.value()?;
-        self.expect_same(multiplexer, right, now, duty)
+        self.check(demand(now == right, || {
+            let breach = Breach::new(multiplexer, duty).expected(Observation::Value(right.to_vec()));
+            breach.found(Observation::Value(now))
+        }))
     }
 
-    /// Requires that a value that was read is the right one; `duty` says why. Another value of an object that changes by
+    /// Reads an object again and requires its earlier value; `duty` says why.
+    ///
+    /// # Errors
+    /// A breach if the object can't be read; the errors of [`Bench::expect_same`].
+    pub(crate) fn expect_again(
+        &mut self,
+        at: Multiplexer,
+        before: &[u8],
+        duty: impl Into<Cow<'static, str>>,
+    ) -> Judged {
+        let now = self.upload(at)?.value()?;
+        self.expect_same(at, before, now, duty)
+    }
+
+    /// Requires that a value that was read is the earlier one; `duty` says why. Another value of an object that changes by
     /// itself proves nothing.
     ///
     /// # Errors
@@ -236,7 +253,7 @@ impl Bench<'_> {
     /// # Errors
     /// A breach if the object can't be read any more.
     pub(crate) fn expect_unchanged(&mut self, multiplexer: Multiplexer, before: &[u8]) -> Judged {
-        self.expect_value(multiplexer, before, format!("{multiplexer} keeps its value"))
+        self.expect_again(multiplexer, before, format!("{multiplexer} keeps its value"))
     }
 
     /// Requires that the server still serves a correct request after the stimulus of the case.

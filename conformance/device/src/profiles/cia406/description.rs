@@ -31,7 +31,9 @@ fn measurement(description: &DeviceDescription) -> Measurement {
     let count = |index| number(index).unwrap_or(1).clamp(1, u64::from(u32::MAX)) as u32;
     if number(object::DEVICE_TYPE).is_some_and(|device_type| matches!(device_type >> 16, 8 | 9)) {
         let revolutions = count(encoder::TOTAL_MEASURING_RANGE);
-        return Measurement { kind: EncoderKind::Linear, single_turn_bits: 0, revolutions, ..Measurement::default() };
+        let step_nm = count(encoder::SINGLE_TURN_RESOLUTION);
+        let kind = EncoderKind::Linear;
+        return Measurement { kind, single_turn_bits: 0, revolutions, step_nm, ..Measurement::default() };
     }
     let bits = number(encoder::SINGLE_TURN_RESOLUTION).map_or(13, |steps| steps.max(1).ilog2().min(32) as u8);
     let revolutions = count(encoder::NUMBER_OF_REVOLUTIONS);

@@ -11,6 +11,8 @@ use canvass_analyzer::Multiplexer;
 use canvass_analyzer::profiles::cia406::objects as encoder;
 use canvass_traces::Timestamp;
 
+/// Units of the position in a millimetre of wire.
+const TENTHS_PER_MILLIMETRE: u64 = 10;
 /// 360 degrees, in 0.01 degrees.
 const FULL_TURN: i64 = 36_000;
 /// 3003h: clockwise rotation counts up.
@@ -44,7 +46,8 @@ impl Encoder {
     fn length(&self, now: Timestamp) -> u64 {
         let full_scale = i128::from(self.sheet.full_scale_tenth_mm);
         let per_revolution = u64::from(self.sheet.tenth_mm_per_revolution);
-        self.motion.position(now, per_revolution).clamp(0, full_scale) as u64
+        let per_unit = if self.motion.is_in_millimetres() { TENTHS_PER_MILLIMETRE } else { per_revolution };
+        self.motion.position(now, per_unit).clamp(0, full_scale) as u64
     }
 
     fn redundant_length(&self, now: Timestamp) -> u64 {

@@ -1,7 +1,7 @@
 //! Operating parameters (6000h), measuring units per revolution (6001h) and total measuring range (6002h).
 
 use super::Encoder;
-use super::sheet::{Measurement, UniversalScaling};
+use super::sheet::{EncoderKind, Measurement, NANOMETRES_PER_MILLIMETRE, UniversalScaling};
 use crate::Fault;
 use crate::device::Parameters;
 use canvass_analyzer::Multiplexer;
@@ -136,6 +136,14 @@ fn units_of(range: u64) -> u64 {
 /// The number of steps in one revolution.
 pub(super) fn steps(sheet: &Measurement) -> u64 {
     1 << sheet.single_turn_bits.min(32)
+}
+
+/// The number of steps in the unit of motions: a revolution, or a millimetre of a linear encoder.
+pub(super) fn steps_per_unit(sheet: &Measurement) -> u64 {
+    match sheet.kind {
+        EncoderKind::Linear => u64::from(NANOMETRES_PER_MILLIMETRE / sheet.step_nm.max(1)).max(1),
+        _ => steps(sheet),
+    }
 }
 
 /// The number of steps in all revolutions.

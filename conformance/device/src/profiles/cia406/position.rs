@@ -6,7 +6,7 @@
 //! ```
 
 use super::Encoder;
-use super::operating::{CODE_SEQUENCE, SCALING, physical_range, steps};
+use super::operating::{CODE_SEQUENCE, SCALING, physical_range, steps, steps_per_unit};
 use crate::Fault;
 use crate::device::Parameters;
 use canvass_analyzer::Multiplexer;
@@ -89,7 +89,7 @@ impl Encoder {
 
     /// As [`Encoder::scaled`], for a value of 6000h that the caller has already read.
     fn scaled_by(&self, operating: u64, now: Timestamp, parameters: &Parameters) -> i128 {
-        let mut physical = self.motion.position(now, steps(&self.sheet));
+        let mut physical = self.motion.position(now, steps_per_unit(&self.sheet));
         if operating & CODE_SEQUENCE != 0 {
             physical = -physical;
         }

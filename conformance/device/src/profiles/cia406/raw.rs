@@ -2,7 +2,7 @@
 //! profile's raw position (600Bh, 600Ch).
 
 use super::Encoder;
-use super::operating::{physical_range, steps};
+use super::operating::{physical_range, steps_per_unit};
 use crate::Fault;
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::profiles::cia406::objects as encoder;
@@ -31,7 +31,7 @@ impl Encoder {
     /// bits.
     fn raw(&self, now: Timestamp) -> u64 {
         let now = if self.firmware.has(Fault::RawPositionStands) { Timestamp::ZERO } else { now };
-        self.motion.position(now, steps(&self.sheet)).rem_euclid(physical_range(&self.sheet)) as u64
+        self.motion.position(now, steps_per_unit(&self.sheet)).rem_euclid(physical_range(&self.sheet)) as u64
     }
 
     /// CRC-16 with polynomial 1021h over the bytes of the raw position, in the order of transmission.

@@ -33,6 +33,9 @@ impl ProfileSheet for Sheets {
     }
 }
 
+/// The number of nanometres in a millimetre, the step of a linear encoder whose step is not known.
+pub(super) const NANOMETRES_PER_MILLIMETRE: u32 = 1_000_000;
+
 /// The measurement of an encoder.
 #[derive(Clone, Copy, Debug, Deserialize)]
 #[serde(deny_unknown_fields, default)]
@@ -53,6 +56,8 @@ pub struct Measurement {
     pub speed_format_bit: u8,
     /// The bits of 6000h that the profile or the manual defines. The device refuses a write that sets other bits.
     pub operating_bits: u16,
+    /// For a linear encoder: the length of a step, in nanometres.
+    pub step_nm: u32,
     /// For a draw-wire encoder: the sum of both channels, in 0.1 mm.
     pub full_scale_tenth_mm: u32,
     /// For a draw-wire encoder: the movement of the wire in one turn of the drum, in 0.1 mm.
@@ -67,8 +72,6 @@ pub struct Measurement {
     pub single_turn_bits_most: ForPeople,
     /// For people: the unit of the measured speed.
     pub speed_unit: ForPeople,
-    /// For people: the step of a linear scale.
-    pub step_nm: ForPeople,
     /// For people: whether revolutions are counted.
     pub turns: ForPeople,
     /// For people: the meaning of 0 in 6002h.
@@ -87,6 +90,7 @@ impl Default for Measurement {
             universal_scaling: UniversalScaling::ByBit12,
             speed_format_bit: 13,
             operating_bits: 0xF00F,
+            step_nm: NANOMETRES_PER_MILLIMETRE,
             full_scale_tenth_mm: 0,
             tenth_mm_per_revolution: 1,
             tilt_hundredths: 0,
@@ -94,7 +98,6 @@ impl Default for Measurement {
             integration_times_ms: ForPeople,
             single_turn_bits_most: ForPeople,
             speed_unit: ForPeople,
-            step_nm: ForPeople,
             turns: ForPeople,
             zero_range_means_2_pow_32: ForPeople,
         }

@@ -7,7 +7,7 @@
 //! while the unit is measuring units per second.
 
 use super::Encoder;
-use super::operating::steps;
+use super::operating::steps_per_unit;
 use crate::Fault;
 use crate::device::Parameters;
 use canvass_analyzer::Multiplexer;
@@ -79,7 +79,7 @@ impl Encoder {
     fn units_per_revolution(&self, parameters: &Parameters) -> u64 {
         let raw = parameters.number(encoder::SPEED_PARAMETER, 1) == Some(RAW_POSITION) || !self.is_scaled(parameters);
         if raw || self.firmware.has(Fault::SpeedInPhysicalSteps) {
-            steps(&self.sheet)
+            steps_per_unit(&self.sheet)
         } else {
             parameters.number_or_zero(encoder::UNITS_PER_REVOLUTION, 0)
         }

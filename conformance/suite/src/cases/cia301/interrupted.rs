@@ -46,7 +46,7 @@ fn stop_in_upload(bench: &mut Bench<'_>) -> Result<(Multiplexer, Vec<u8>), Stop>
        needs = [SegmentedUpload], catches = [SdoAnsweredWhenStopped])]
 fn stopped(bench: &mut Bench<'_>) -> Judged {
     let (multiplexer, right) = stop_in_upload(bench)?;
-    bench.expect_value(multiplexer, &right, "a new upload returns the whole value")
+    bench.expect_again(multiplexer, &right, "a new upload returns the whole value")
 }
 
 /// Stop remote node ends a segmented upload: a request for its next segment is refused with abort 0504 0001h, or not

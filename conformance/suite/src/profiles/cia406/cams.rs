@@ -36,7 +36,7 @@ fn prepare(bench: &mut Bench<'_>) -> Result<u32, Stop> {
     if position < 4 * MARGIN || position > range.saturating_sub(4 * MARGIN) {
         let expected = format!("{} to {}", 4 * MARGIN, range.saturating_sub(4 * MARGIN));
         let reason = Reason::new("the position has room on both sides", expected, position.to_string());
-        return Err(Stop::Inconclusive(reason));
+        return Err(Stop::NotApplicable(reason));
     }
     if bench.has(HYSTERESIS)? {
         bench.write(HYSTERESIS, &0_u16.to_le_bytes())?;

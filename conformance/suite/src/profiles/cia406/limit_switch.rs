@@ -51,7 +51,7 @@ fn bits(bench: &mut Bench<'_>) -> Judged {
     let position = position_at_rest(bench)?;
     let (Some(less), Some(more)) = (position.checked_sub(MARGIN), position.checked_add(MARGIN)) else {
         let reason = Reason::new("there is room beside the position", format!("{MARGIN} units"), format!("{position}"));
-        return Err(Stop::Inconclusive(reason));
+        return Err(Stop::NotApplicable(reason));
     };
     operate(bench, 0, BELOW | ABOVE)?;
     let off = status(bench, more, less)?;

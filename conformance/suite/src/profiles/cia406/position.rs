@@ -149,7 +149,7 @@ fn code_sequence(bench: &mut Bench<'_>) -> Judged {
             "neither 0 nor half the range",
             format!("{before}"),
         );
-        return Err(Stop::Inconclusive(reason));
+        return Err(Stop::NotApplicable(reason));
     }
     let check = demand(!is_near(before, after, range), || {
         let duty = "with reversed code sequence the same place of the shaft has another position";

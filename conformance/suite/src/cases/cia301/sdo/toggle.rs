@@ -106,7 +106,7 @@ fn repeated_toggle(bench: &mut Bench<'_>) -> Judged {
         return finish_upload(bench, multiplexer, segment.data().to_vec(), true, &right);
     }
     bench.check(again.refused(Situation::RepeatedToggle))?;
-    bench.expect_value(multiplexer, &right, "a new upload returns the whole value")?;
+    bench.expect_again(multiplexer, &right, "a new upload returns the whole value")?;
     bench.expect_tidy()
 }
 
