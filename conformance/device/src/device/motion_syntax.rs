@@ -191,7 +191,7 @@ mod tests {
             Motion::constant(0, 120_000).millimetres(),
             "thousandths of a millimetre per minute"
         );
-        assert_eq!(known("sine=2,10"), Motion::sine(0, 2.0, Duration::from_secs(10)));
+        assert_eq!(known("sine=2,10"), Motion::sine(0, 2.0, Duration::from_secs(10)).millimetres());
         assert_eq!(known("ramp=3000,0.5"), Motion::ramp(0, 3000.0, Duration::from_millis(500)));
         assert_eq!("csv=a=b.csv".parse(), Ok(MotionSpec::File("a=b.csv".to_owned())));
     }
