@@ -80,7 +80,7 @@ pub struct KnownEmergency {
 pub struct Checked {
     /// The object.
     pub value: Multiplexer,
-    /// The object with the inverted bits.
+    /// The object whose value has all bits of `value` inverted.
     pub inverse: Option<Multiplexer>,
     /// The object with the CRC-CCITT over the four bytes of the value.
     pub crc: Option<Multiplexer>,

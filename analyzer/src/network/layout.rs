@@ -26,7 +26,7 @@ pub struct Signal {
     pub data_type: Option<DataType>,
     /// The unit of the signal's values, if the device's configuration determines a unit and is known.
     pub scale: Option<Unit>,
-    /// The number, from 0, among the signals of the same object; `None` if the PDO maps the object once.
+    /// The place of the signal, counted from 0, if the PDO maps the same object several times; else `None`.
     pub repetition: Option<u8>,
 }
 

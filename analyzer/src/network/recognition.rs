@@ -122,7 +122,7 @@ pub(super) struct Traits {
 }
 
 impl Traits {
-    /// Maximum number of kept objects: far more than distinguish two models.
+    /// Maximum number of objects that are kept for each node. Two models differ in far fewer objects.
     const MOST: usize = 64;
 
     /// Notes a transferred object; returns whether the object is new.

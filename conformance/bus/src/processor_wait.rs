@@ -8,8 +8,8 @@ use canvass_traces::Duration;
 #[cfg(target_os = "linux")]
 use std::{fs::File, os::unix::fs::FileExt};
 
-/// The time for which the thread that created this value has waited for a processor. Always zero on systems other than
-/// Linux, which do not report it.
+/// A clock of the time that one thread spends waiting for a processor: the thread that creates the value. Only Linux
+/// reports this time; on other systems it is always zero.
 #[derive(Debug)]
 pub(crate) struct ProcessorWait {
     #[cfg(target_os = "linux")]

@@ -52,7 +52,7 @@ fn value(model: &str, response: &str) -> String {
     text.split_once(" = ").unwrap().1.to_owned()
 }
 
-/// Kübler 002, 5.5.2: 1000 mm on channel A.
+/// Kübler, manual of C100 and D125, 5.5.2: 1000 mm on channel A.
 #[test]
 fn draw_wire_encoders_have_two_channels() {
     let of = |model, frame| last(model, 4, &[frame]);
@@ -74,7 +74,7 @@ fn draw_wire_encoders_have_two_channels() {
     );
 }
 
-/// Kübler 002, 5.4.8: 3004h = 1 is the range of ±180°.
+/// Kübler, manual of C100 and D125, 5.4.8: 3004h = 1 is the range of ±180°.
 #[test]
 fn the_range_of_an_angle_gives_its_sign() {
     let set = ["604#2F04300001000000", "584#6004300000000000"];
@@ -106,7 +106,7 @@ fn whole_values_have_a_meaning() {
     assert_eq!(value("lika-ax58", "43042100F0FF3F00"), "4194288 steps");
 }
 
-/// Lika 001, 5.8.1; Kübler 000, 5.7.5.
+/// Lika Ax58x, 5.8.1; Kübler R67070.0002, 5.7.5.
 #[test]
 fn communication_parameters_have_a_meaning() {
     assert_eq!(value("lika-ax58", "4300180180010040"), "40000180h (CAN-ID 180h, valid, no RTR)");
@@ -129,7 +129,7 @@ fn bits_have_the_names_of_the_manual() {
     assert_eq!(value("kuebler-sendix-f58", "4F00640002000000"), "2");
 }
 
-/// Kübler 000, 5.8.2.
+/// Kübler R67070.0002, 5.8.2.
 #[test]
 fn the_bytes_of_an_emcy_have_a_meaning() {
     let text = last("kuebler-sendix-58x8", 63, &["0BF#004209805620502E"]);
@@ -215,7 +215,7 @@ fn has(findings: &[String], rule: &str) -> bool {
     findings.iter().any(|finding| finding.starts_with(rule))
 }
 
-/// Kübler 002, 5.5.3: Z2 is Z1 with the other sign.
+/// Kübler, manual of C100 and D125, 5.5.3: Z2 is Z1 with the other sign.
 #[test]
 fn angles_that_disagree_are_found() {
     let of = |z2: fn(i64) -> i64| findings("kuebler-c100", 4, 250_000, &angles(z2));
@@ -231,7 +231,7 @@ fn angles_that_disagree_are_found() {
     assert!(has(&with(|n| if n < 40 { 200 + 10 * n } else { 600 }), rule));
 }
 
-/// Kübler 000, 5.5.26: 2162h is the CRC-CCITT of 2160h with the start value 1021h.
+/// Kübler R67070.0002, 5.5.26: 2162h is the CRC-CCITT of 2160h with the start value 1021h.
 #[test]
 fn raw_positions_that_contradict_each_other_are_found() {
     let of = |values: &[(&str, u32)]| {
@@ -253,7 +253,7 @@ fn raw_positions_that_contradict_each_other_are_found() {
     assert!(!of(&[raw, ("6121", !0x1234_6000_u32), ("6221", crc ^ 1), ("6021", 0x1234_7000)]));
 }
 
-/// Kübler 000, 5.1: at least 14 ms at 10 kbit/s, 10 ms at 20 kbit/s, 4 ms at 50 kbit/s.
+/// Kübler R67070.0002, 5.1: at least 14 ms at 10 kbit/s, 10 ms at 20 kbit/s, 4 ms at 50 kbit/s.
 #[test]
 fn event_timers_below_the_limit_of_the_bit_rate_are_found() {
     let of = |bit_rate, timer: u8| {

@@ -25,7 +25,8 @@ pub enum Meaning {
     Versions(u16, u16),
 }
 
-/// The meaning of a whole value of an object; `None` if it is a plain number.
+/// The meaning of an object's value, such as the state that it names; `None` if the value is a quantity or a code without
+/// a name.
 pub fn meaning(at: Multiplexer, value: i64, profile: Option<u16>) -> Option<Meaning> {
     match at.index.0 {
         0x6000..=0x9FFF => {

@@ -164,7 +164,7 @@ impl Repeated {
         }
     }
 
-    /// Number of repetitions of a message that is reported.
+    /// Number of repetitions after which the rule reports the message.
     fn most(&self, service: Service) -> u64 {
         let [usual, last] = self.sync;
         // After a regular pause a producer of SYNC has no late messages to send.

@@ -286,7 +286,7 @@ impl Default for Storage {
 pub(super) struct CheckedRow {
     #[serde(deserialize_with = "address")]
     at: Multiplexer,
-    /// The object with the inverted bits.
+    /// The object whose value has all bits of `at` inverted.
     #[serde(default, deserialize_with = "address_option")]
     inverse: Option<Multiplexer>,
     /// The object with the CRC-CCITT over the four bytes.

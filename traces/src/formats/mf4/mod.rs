@@ -13,7 +13,7 @@
 //! CC               the conversion of a channel
 //! DT, DZ           records, plain or deflated
 //! SD               values of variable length
-//! DL, HL           a list of blocks with records or values
+//! DL, HL           the list of the blocks DT, DZ and SD of a group
 //! ```
 //!
 //! A channel group holds frames if it has a channel `CAN_DataFrame`, `CAN_RemoteFrame` or `CAN_ErrorFrame`. Further channels,
