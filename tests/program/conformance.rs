@@ -305,6 +305,17 @@ fn a_waiver_for_one_object_of_an_every_case_leaves_the_others_failing() {
     assert!(failed.contains(&"1000h:00".to_owned()));
 }
 
+/// A measured value that has changed during a case is not called one that the tester could not set back.
+#[test]
+fn a_value_that_the_device_sets_is_not_put_back() {
+    let case = "301/sdo/download/every-read-only";
+    let tested = run(&["test", "sim:kuebler-sendix-f58m~rpm=0.02", "--select", case]);
+    assert_eq!(tested.status, 0, "{}", tested.stdout);
+    assert!(!tested.stdout.contains("could not be set back"), "{}", tested.stdout);
+    assert!(tested.stdout.contains("The device is as it was before the run"), "{}", tested.stdout);
+    assert!(tested.stdout.contains("values that the device sets itself differ: 6004h:00"), "{}", tested.stdout);
+}
+
 #[test]
 fn two_results_are_compared() {
     let result = |bus: &str, name: &str| {

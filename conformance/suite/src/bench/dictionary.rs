@@ -4,7 +4,7 @@ use super::rewrite::Original;
 use super::{Bench, profile, restore, rewrite};
 use crate::comparison::{Change, Comparison, Nature};
 use canvass_analyzer::Multiplexer;
-use canvass_analyzer::dictionary::{Access, DeviceDescription, names};
+use canvass_analyzer::dictionary::{Access, DeviceDescription, Entry, names};
 use canvass_analyzer::object::{self, Acting};
 use canvass_bus::client::Outcome;
 use std::collections::BTreeMap;
@@ -167,23 +167,31 @@ pub(super) fn change(
     before: Option<Vec<u8>>,
     after: Option<Vec<u8>>,
 ) -> Change {
-    let described = bench.target.description.as_ref();
-    let entry = described.and_then(|description| description.dictionary.entry(multiplexer).ok());
+    let entry = described(bench, multiplexer);
     let name = entry.map(|entry| entry.name.clone());
-    let profile = described.and_then(DeviceDescription::device_profile);
+    let profile = bench.target.description.as_ref().and_then(DeviceDescription::device_profile);
     let standard = || names::object_name(multiplexer, profile)?.entry?.data_type;
     let data_type = entry.map(|entry| entry.data_type).or_else(standard);
-    let is_constant = entry.is_some_and(|entry| entry.access == Access::Const);
-    let nature = match multiplexer.index.0 {
-        _ if is_put_back(bench, multiplexer) => Nature::Setting,
+    Change { multiplexer, name, data_type, nature: nature(bench, multiplexer), before, after }
+}
+
+/// The described entry; `None` without a description, or if the description lacks it.
+pub(super) fn described<'b>(bench: &'b Bench<'_>, at: Multiplexer) -> Option<&'b Entry> {
+    bench.target.description.as_ref()?.dictionary.entry(at).ok()
+}
+
+/// How the value of an object can change.
+pub(super) fn nature(bench: &Bench<'_>, at: Multiplexer) -> Nature {
+    let is_constant = described(bench, at).is_some_and(|entry| entry.access == Access::Const);
+    match at.index.0 {
+        _ if is_put_back(bench, at) => Nature::Setting,
         object::DEVICE_TYPE | object::MANUFACTURER_DEVICE_NAME..=object::MANUFACTURER_SOFTWARE_VERSION | IDENTITY => {
             Nature::Constant
         }
-        _ if is_constant || profile::is_scaling(bench, multiplexer) => Nature::Constant,
-        _ if is_commanded(bench, multiplexer) => Nature::Acting,
+        _ if is_constant || profile::is_scaling(bench, at) => Nature::Constant,
+        _ if is_commanded(bench, at) => Nature::Acting,
         _ => Nature::Own,
-    };
-    Change { multiplexer, name, data_type, nature, before, after }
+    }
 }
 
 /// Whether the object acts when it is written, and keeps the value of the last write: a preset or another command.

@@ -1,10 +1,12 @@
 //! The objects of this device that can serve a case.
 
 use super::Bench;
+use super::dictionary;
 use super::profile::{self, Profile};
+use crate::comparison::Nature;
 use crate::verdict::{Reason, Stop};
 use canvass_analyzer::Multiplexer;
-use canvass_analyzer::dictionary::{Access, DataType};
+use canvass_analyzer::dictionary::DataType;
 use canvass_analyzer::object;
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::sdo::{AbortCode, Payload, Response};
@@ -211,15 +213,11 @@ impl Bench<'_> {
         Ok(found)
     }
 
-    /// Whether an object may change without a write: a number of the application that can only be read, such as a
-    /// measured value, a counter or a time.
+    /// Whether the description shows that an object is a number that the device sets, such as a measured value, a counter
+    /// or a time. Texts that the device sets stay the same.
     pub(crate) fn changes_by_itself(&self, at: Multiplexer) -> bool {
-        let described = self.target.description.as_ref().and_then(|known| known.dictionary.entry(at).ok());
-        let is_number = |data_type: DataType| !TEXTS.contains(&data_type) && data_type != DataType::DOMAIN;
-        at.index.0 >= 0x2000
-            && described.is_some_and(|entry| {
-                !entry.access.is_writable() && entry.access != Access::Const && is_number(entry.data_type)
-            })
+        let is_described = dictionary::described(self, at).is_some();
+        is_described && dictionary::nature(self, at) == Nature::Own && !self.is_text(at)
     }
 
     /// Whether the value of an object changes in these 100 ms without a write.

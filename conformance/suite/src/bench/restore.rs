@@ -85,6 +85,8 @@ fn put_back_values(bench: &mut Bench<'_>, originals: &[Original]) -> Vec<Origina
         bench.note(format!("not restored: {}", stop.reason()));
     }
     let mut stuck = rewrite::write_back(bench, originals);
+    // A measured value that has changed meanwhile is none that the tester has changed.
+    stuck.retain(|original| !bench.changes_by_itself(original.multiplexer));
     // A reset brings back values that were not stored.
     if !stuck.is_empty() && bench.reset(Command::RESET_NODE).is_ok() {
         stuck = rewrite::write_back(bench, originals);
