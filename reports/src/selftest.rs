@@ -126,7 +126,7 @@ fn motion(row: &MotionRow) -> results::selftest::Motion {
         executed: row.executed,
         false_alarms: false_alarms(&row.alarms),
         model: row.model.into(),
-        motion: row.motion.into(),
+        motion: row.motion.clone().into(),
         start: row.start,
     }
 }

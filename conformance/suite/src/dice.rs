@@ -18,4 +18,16 @@ impl Dice {
         mixed = (mixed ^ mixed >> 27).wrapping_mul(0x94D0_49BB_1331_11EB);
         mixed ^ mixed >> 31
     }
+
+    /// A number from 0 up to, but not including, `count` (at least 1).
+    pub(crate) fn below(&mut self, count: u64) -> u64 {
+        self.next() % count.max(1)
+    }
+
+    /// A number from 0 up to, but not including, 1.
+    pub(crate) fn fraction(&mut self) -> f64 {
+        /// The bits that an `f64` keeps.
+        const BITS: u32 = 53;
+        (self.next() >> (64 - BITS)) as f64 / (1_u64 << BITS) as f64
+    }
 }

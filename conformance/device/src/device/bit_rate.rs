@@ -2,8 +2,11 @@
 
 use super::Device;
 use super::context::Context;
-use super::lss_slave::bit_rate;
+use super::objects::Objects;
 use crate::Fault;
+use crate::models::{BitRate, Model};
+use canvass_analyzer::wire::layer_setting::Dialect;
+use canvass_analyzer::wire::lmt::Lmt;
 use canvass_traces::{Duration, Timestamp};
 
 /// A change of the bit rate in progress: silence, the change, silence again.
@@ -11,6 +14,8 @@ use canvass_traces::{Duration, Timestamp};
 pub(super) struct Activation {
     /// Time of the change; [`Timestamp::MAX`] after it.
     change: Timestamp,
+    /// The new bit rate: a row of the model's table.
+    bit_timing: Option<u8>,
     /// The time from which the device may send again.
     end: Timestamp,
 }
@@ -33,10 +38,15 @@ impl Device {
         self.delivered_bit_rate = Some(bit_rate);
     }
 
-    /// Handles the LSS master's order: silence for `delay`, the new bit rate, and silence for `delay` again.
-    pub(super) fn activate_bit_rate(&mut self, now: Timestamp, delay: Duration) {
+    /// The device's bit rate in kbit/s; the model's default if the device has that of the bus.
+    pub fn bit_rate_kbit(&self) -> u32 {
+        self.bit_rate.map_or(self.context.objects.model.sheet().network.default_bit_rate_kbit, |rate| rate / 1_000)
+    }
+
+    /// Handles the order of the master of LSS or LMT: silence for `delay`, the new bit rate, and silence for `delay` again.
+    pub(super) fn activate_bit_rate(&mut self, now: Timestamp, bit_timing: Option<u8>, delay: Duration) {
         let delay = if self.context.has(Fault::LssActivatesAtOnce) { Duration::ZERO } else { delay };
-        self.activation = Some(Activation { change: now + delay, end: now + delay.times(2) });
+        self.activation = Some(Activation { change: now + delay, bit_timing, end: now + delay.times(2) });
         self.context.outbox.clear();
         self.go_on_with_activation(now);
     }
@@ -46,9 +56,8 @@ impl Device {
         let Some(activation) = &mut self.activation else { return };
         if now >= activation.change {
             activation.change = Timestamp::MAX;
-            let rate =
-                self.services.lss.pending.bit_timing.and_then(|code| bit_rate(&self.context.objects.model, code));
-            self.bit_rate = rate.map(|rate| rate.kbit.saturating_mul(1_000)).or(self.bit_rate);
+            let bit_timing = activation.bit_timing;
+            self.use_bit_rate(bit_timing);
         }
         // Frames that waited are lost, as the controller is off.
         self.context.outbox.clear();
@@ -57,14 +66,31 @@ impl Device {
         }
     }
 
+    /// Uses this bit rate of the model's table, or keeps the current one.
+    pub(super) fn use_bit_rate(&mut self, bit_timing: Option<u8>) {
+        let rate = bit_timing.and_then(|code| bit_rate(&self.context.objects.model, code));
+        self.bit_rate = rate.map(|rate| rate.kbit.saturating_mul(1_000)).or(self.bit_rate);
+    }
+
+    /// Uses a written bit rate that takes effect at a reset without being stored.
+    pub(super) fn take_written_bit_rate(&mut self) {
+        let Objects { model, parameters, .. } = &self.context.objects;
+        let Some(at) = model.sheet().network.bit_rate_object else { return };
+        let rate = parameters.number(at.index.0, at.sub.0).and_then(|code| of_object(model, code));
+        // The default stands for the bit rate as delivered, also if a user has delivered the device with another one.
+        self.bit_rate = match rate {
+            Some(rate) if rate.kbit == model.sheet().network.default_bit_rate_kbit => self.delivered_bit_rate,
+            Some(rate) => Some(rate.kbit.saturating_mul(1_000)),
+            None => self.bit_rate,
+        };
+    }
+
     /// Uses the stored bit rate, else the default bit rate, at power-on and reset node.
     pub(super) fn take_stored_bit_rate(&mut self) {
         let Context { objects, store, .. } = &self.context;
         let sheet = objects.model.sheet();
         let code = sheet.network.bit_rate_object.and_then(|at| store.number(at, &objects.parameters));
-        let of_object = code.and_then(|code| {
-            sheet.bit_rates.iter().find(|rate| rate.object_code.is_some_and(|own| u64::from(own) == code)).copied()
-        });
+        let of_object = code.and_then(|code| of_object(&objects.model, code));
         let of_lss = || store.network().bit_timing.and_then(|code| bit_rate(&objects.model, code));
         let stored = match sheet.network.bit_rate_object {
             Some(_) => of_object,
@@ -72,4 +98,20 @@ impl Device {
         };
         self.bit_rate = stored.map(|rate| rate.kbit.saturating_mul(1_000)).or(self.delivered_bit_rate);
     }
+}
+
+/// The bit rate of the model with this code of LSS or LMT.
+pub(super) fn bit_rate(model: &Model, code: u8) -> Option<BitRate> {
+    let rates = &model.sheet().bit_rates;
+    if model.sheet().lmt.is_some() {
+        let rate = Lmt::bit_rate(code)?;
+        return rates.iter().find(|own| own.kbit.saturating_mul(1_000) == rate).copied();
+    }
+    rates.iter().find(|rate| rate.lss_code == Some(code)).copied()
+}
+
+/// The bit rate of the model with this code in its own object.
+fn of_object(model: &Model, code: u64) -> Option<BitRate> {
+    let rates = &model.sheet().bit_rates;
+    rates.iter().find(|rate| rate.object_code.is_some_and(|own| u64::from(own) == code)).copied()
 }

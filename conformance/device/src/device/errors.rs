@@ -229,7 +229,7 @@ impl Errors {
             self.queue.clear();
         }
         self.inhibited_until = Timestamp::ZERO;
-        if self.quirks.error_register_read_clears {
+        if self.quirks.error_register_read_clears || self.quirks.life_guarding_until_reset {
             self.clear_history();
         }
     }

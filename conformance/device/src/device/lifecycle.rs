@@ -2,6 +2,7 @@
 
 use super::clock::Clock;
 use super::condition::Condition;
+use super::lmt_slave::LmtSlave;
 use super::lss_slave::LssSlave;
 use super::nmt::{Order, Phase};
 use super::objects::Objects;
@@ -27,7 +28,7 @@ impl Device {
         context.store.power_on();
         context.objects.clock = Clock::new(now, &context.objects.firmware);
         context.objects.received_emcy = 0;
-        self.services.lmt.power_on();
+        self.services.lmt = LmtSlave::new();
         self.services.lss = LssSlave::new();
         self.services.sdo.power_on();
         self.overload = Overload::new();
@@ -47,8 +48,9 @@ impl Device {
             Order::Enter(phase) => self.enter(now, phase),
             Order::ResetCommunication => self.reset_communication(now),
             Order::ResetNode => self.reset_node(now),
-            Order::Restart(node) => {
+            Order::Restart { node, bit_timing } => {
                 self.context.node = node;
+                self.use_bit_rate(bit_timing);
                 self.initialise(now, Groups::ALL);
             }
             Order::MoveTo(node) => {
@@ -57,7 +59,7 @@ impl Device {
                 self.initialise(now, Groups::ALL);
                 self.context.outbox = outbox;
             }
-            Order::ActivateBitRate(delay) => self.activate_bit_rate(now, delay),
+            Order::ActivateBitRate { bit_timing, delay } => self.activate_bit_rate(now, bit_timing, delay),
             Order::Hang => {
                 self.hangs = true;
                 self.context.outbox.clear();
@@ -181,6 +183,7 @@ impl Device {
         let groups = match () {
             () if firmware.has(Fault::NmtResetCommunicationKeepsParameters) => Groups::NONE,
             () if self.context.objects.model.sheet().quirks.reset_communication_loads_all => {
+                self.take_written_bit_rate();
                 Groups::ALL.without(Groups::BUS)
             }
             () if firmware.has(Fault::NmtResetCommunicationRestoresAll) => Groups::ALL,
@@ -202,6 +205,7 @@ impl Device {
         let (network, quirks) = (&model.sheet().network, &model.sheet().quirks);
         if quirks.bus_objects_survive_reset {
             self.take_written_node_id();
+            self.take_written_bit_rate();
             return self.initialise(now, Groups::ALL.without(Groups::BUS));
         }
         if network.takes_effect.contains(&Trigger::ResetNode) {

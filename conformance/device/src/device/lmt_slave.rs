@@ -7,12 +7,14 @@
 //! The slave answers only inquiries, configurations and "identify". 17h stores the configuration, which takes
 //! effect after power-off; only 15h activates a new bit rate earlier.
 
+use super::bit_rate::bit_rate;
 use super::context::Context;
 use super::layer_setting::{LayerSetting, is_within};
 use super::nmt::Order;
 use super::routes::{Route, Routes};
 use super::service::Service;
-use crate::models::{BitRate, LmtAddress};
+use super::store::StoredNetwork;
+use crate::models::{LmtAddress, Model};
 use crate::{Fault, Firmware};
 use canvass_analyzer::NodeId;
 use canvass_analyzer::wire::Wire;
@@ -31,16 +33,14 @@ const SPECIFIC: u8 = 255;
 pub(super) struct LmtSlave {
     at: LayerSetting,
     pending: Pending,
-    /// The bit rate that the device uses from the next power-on.
-    stored_kbit: u32,
-    in_use_kbit: u32,
 }
 
 /// A configuration that is not yet stored.
 #[derive(Clone, Copy, Debug, Default)]
 struct Pending {
     node_id: Option<NodeId>,
-    kbit: Option<u32>,
+    /// The bit rate: the index in table 0 of CiA DS-205.
+    bit_timing: Option<u8>,
 }
 
 /// The effect of an LMT message on the device.
@@ -54,31 +54,16 @@ enum Effect {
 }
 
 impl LmtSlave {
-    /// The state operation with this bit rate.
-    pub const fn new(kbit: u32) -> Self {
-        Self {
-            at: LayerSetting::new(),
-            pending: Pending { node_id: None, kbit: None },
-            stored_kbit: kbit,
-            in_use_kbit: kbit,
-        }
-    }
-
-    /// Handles power-off and on: values that were not stored are lost.
-    pub const fn power_on(&mut self) {
-        *self = Self::new(self.stored_kbit);
-    }
-
-    /// The current bit rate in kbit/s.
-    pub const fn bit_rate_kbit(&self) -> u32 {
-        self.in_use_kbit
+    /// The state operation, without pending values.
+    pub const fn new() -> Self {
+        Self { at: LayerSetting::new(), pending: Pending { node_id: None, bit_timing: None } }
     }
 
     fn on_request(
         &mut self,
         request: Request,
         address: &LmtAddress,
-        rates: &[BitRate],
+        model: &Model,
         firmware: &Firmware,
     ) -> (Option<Response>, Option<Effect>) {
         let configuring = self.at.configuring || firmware.has(Fault::LmtAnsweredInOperation);
@@ -91,7 +76,7 @@ impl LmtSlave {
                 (self.on_switch_selective(part, value, address, firmware), None)
             }
             Request::IdentifyRemote { bound, value } => (self.on_identify(bound, value, address, firmware), None),
-            request if configuring => self.on_configuration(request, address, rates, firmware),
+            request if configuring => self.on_configuration(request, address, model, firmware),
             _ => (None, None),
         }
     }
@@ -137,16 +122,15 @@ impl LmtSlave {
         &mut self,
         request: Request,
         address: &LmtAddress,
-        rates: &[BitRate],
+        model: &Model,
         firmware: &Firmware,
     ) -> (Option<Response>, Option<Effect>) {
         match request {
             Request::ConfigureNodeId { node_id } => self.on_node_id(node_id, firmware),
             Request::ConfigureBitTiming { table, index } => {
-                let kbit = bit_rate(table, index, firmware);
-                let kbit = kbit.filter(|kbit| rates.iter().any(|rate| rate.kbit == *kbit));
-                let ok = kbit.is_some() || firmware.has(Fault::LmtBitTimingUnchecked);
-                self.pending.kbit = kbit.or(self.pending.kbit);
+                let known = row(index, firmware).filter(|&row| table == 0 && bit_rate(model, row).is_some());
+                let ok = known.is_some() || firmware.has(Fault::LmtBitTimingUnchecked);
+                self.pending.bit_timing = known.or(self.pending.bit_timing);
                 let error = u8::from(!ok);
                 (Some(Response::Configured { command: ConfigureCommand::BitTiming, error, specific: 0 }), None)
             }
@@ -186,15 +170,14 @@ fn own(part: Part, address: &LmtAddress, firmware: &Firmware) -> Seven {
     }
 }
 
-/// The bit rate in kbit/s of a row of a bit timing table; `None` for a reserved row.
-fn bit_rate(table: u8, index: u8, firmware: &Firmware) -> Option<u32> {
+/// The row of the table of bit rates that this firmware takes; `None` for a reserved row.
+fn row(index: u8, firmware: &Firmware) -> Option<u8> {
     // The table of LSS: row 5 is reserved, and the following rows are shifted by one.
-    let index = match index {
-        5 if firmware.has(Fault::LmtBitTimingUnshifted) => return None,
-        6.. if firmware.has(Fault::LmtBitTimingUnshifted) => index - 1,
-        index => index,
-    };
-    Lmt::bit_rate(index).filter(|_| table == 0).map(|rate| rate / 1000)
+    match index {
+        5 if firmware.has(Fault::LmtBitTimingUnshifted) => None,
+        6.. if firmware.has(Fault::LmtBitTimingUnshifted) => Some(index - 1),
+        index => Some(index),
+    }
 }
 
 /// Converts BCD digits to a binary number, little-endian.
@@ -206,32 +189,26 @@ fn binary(digits: Seven) -> Seven {
 }
 
 impl LmtSlave {
-    fn store(&mut self, context: &mut Context) {
-        self.stored_kbit = self.pending.kbit.unwrap_or(self.stored_kbit);
+    fn store(&self, context: &mut Context) {
         let at = context.objects.model.sheet().network.node_id_object;
         if let (Some(at), Some(node)) = (at, self.pending.node_id) {
             context.store.save_number(at, u64::from(node.raw()), &context.objects.parameters);
         }
-    }
-
-    /// Activates the bit rate: silence for one delay before the change and one delay after it.
-    fn activate(&mut self, now: Timestamp, delay: Duration, context: &mut Context) {
-        self.in_use_kbit = self.pending.kbit.unwrap_or(self.in_use_kbit);
-        if !context.has(Fault::LmtActivationNotSilent) && delay > Duration::ZERO {
-            context.silent_until = now + delay.times(2);
-        }
+        let before = context.store.network();
+        let bit_timing = self.pending.bit_timing.or(before.bit_timing);
+        context.store.save_network(StoredNetwork { bit_timing, ..before });
     }
 }
 
 impl Service for LmtSlave {
-    fn handle(&mut self, now: Timestamp, _: Route, frame: &Frame, context: &mut Context) {
+    fn handle(&mut self, _: Timestamp, _: Route, frame: &Frame, context: &mut Context) {
         let Ok(request) = lmt::Request::read(frame.data()) else { return };
         let sheet = context.objects.model.sheet();
         let Some(address) = sheet.lmt else { return };
         if !context.phase.is_running() || frame.len() != 8 {
             return;
         }
-        let (response, effect) = self.on_request(request, &address, &sheet.bit_rates, context.firmware());
+        let (response, effect) = self.on_request(request, &address, &context.objects.model, context.firmware());
         if let Some(response) = response {
             let frame = response.to_frame(lmt::SLAVE_CAN_ID);
             let short = frame.data().get(..7).filter(|_| context.has(Fault::LmtShortResponse));
@@ -239,7 +216,10 @@ impl Service for LmtSlave {
         }
         match effect {
             Some(Effect::Store) => self.store(context),
-            Some(Effect::Activate(delay)) => self.activate(now, delay, context),
+            Some(Effect::Activate(delay)) => {
+                let delay = if context.has(Fault::LmtActivationNotSilent) { Duration::ZERO } else { delay };
+                context.order(Order::ActivateBitRate { bit_timing: self.pending.bit_timing, delay });
+            }
             Some(Effect::TakeNodeId(node)) if context.node != Some(node) => context.order(Order::MoveTo(node)),
             Some(Effect::TakeNodeId(_)) | None => {}
         }

@@ -1,5 +1,6 @@
 //! The LSS slave: sets node-ID and bit rate over the bus (CiA 305).
 
+use super::bit_rate::bit_rate;
 use super::context::Context;
 use super::layer_setting::{LayerSetting, is_within};
 use super::nmt::{Order, Phase};
@@ -8,7 +9,7 @@ use super::parameters::Parameters;
 use super::routes::{Route, Routes};
 use super::service::{Event, Service};
 use super::store::StoredNetwork;
-use crate::models::{BitRate, Model};
+use crate::models::Model;
 use crate::{Fault, Firmware, Liberty};
 use canvass_analyzer::NodeId;
 use canvass_analyzer::object;
@@ -233,13 +234,16 @@ impl LssSlave {
         });
     }
 
-    /// Handles the end of configuration. A restart applies a new node-ID: at once if the manual says so or if the
-    /// device had no node-ID, else at the next reset communication (CiA 305).
+    /// Handles the end of configuration. A restart applies new settings at once if the manual says so. A device that
+    /// had no node-ID applies its node-ID; else that applies at the next reset communication (CiA 305).
     fn leave(&mut self, context: &mut Context) {
-        let restarts = context.objects.model.sheet().network.lss_restarts || context.node.is_none();
-        if restarts && let Some(node_id) = self.pending.node_id.take() {
+        let Pending { node_id, bit_timing } = self.pending;
+        let restarts = context.objects.model.sheet().network.lss_restarts;
+        let is_new = node_id.is_some() || restarts && bit_timing.is_some();
+        if is_new && (restarts || context.node.is_none()) {
             *self = Self::new();
-            context.order(Order::Restart(NodeId::new(node_id)));
+            let node = node_id.map_or(context.node, NodeId::new);
+            context.order(Order::Restart { node, bit_timing: bit_timing.filter(|_| restarts) });
         }
     }
 
@@ -279,7 +283,9 @@ impl Service for LssSlave {
         match effect {
             Some(Effect::Store) => self.store(context),
             Some(Effect::Leave) => self.leave(context),
-            Some(Effect::Activate(delay)) => context.order(Order::ActivateBitRate(delay)),
+            Some(Effect::Activate(delay)) => {
+                context.order(Order::ActivateBitRate { bit_timing: self.pending.bit_timing, delay });
+            }
             Some(Effect::Hang) => context.order(Order::Hang),
             None => self.take_node_id_at_once(context),
         }
@@ -309,9 +315,4 @@ impl Service for LssSlave {
 /// The LSS address of the device: 1018h:01 to 1018h:04.
 pub(super) fn address(parameters: &Parameters) -> Address {
     [1, 2, 3, 4].map(|sub| parameters.number_or_zero(object::IDENTITY, sub) as u32)
-}
-
-/// The bit rate of the model with this LSS code.
-pub(super) fn bit_rate(model: &Model, code: u8) -> Option<BitRate> {
-    model.sheet().bit_rates.iter().find(|rate| rate.lss_code == Some(code)).copied()
 }

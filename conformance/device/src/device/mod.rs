@@ -148,7 +148,7 @@ impl Device {
             guarding: NodeGuarding::new(),
             emcy: EmcyService,
             sdo: SdoChannels::new(&objects, seed),
-            lmt: LmtSlave::new(model.sheet().network.default_bit_rate_kbit),
+            lmt: LmtSlave::new(),
             lss: LssSlave::new(),
             nmt: NmtSlave::new(),
             own_traffic: OwnTraffic::new(),
@@ -187,11 +187,6 @@ impl Device {
     /// Whether the non-volatile memory is being written, so that power-off would lose data.
     pub fn is_storing(&self) -> bool {
         self.context.store.timeout() < Timestamp::MAX
-    }
-
-    /// The device's bit rate in kbit/s, which LMT sets. It is independent of the bit rate of the simulated bus.
-    pub const fn bit_rate_kbit(&self) -> u32 {
-        self.services.lmt.bit_rate_kbit()
     }
 
     /// Sets or clears a hardware error with this EMCY code. The model's sheet lists EMCY codes with their error

@@ -42,12 +42,19 @@ pub(super) enum Order {
     Enter(Phase),
     ResetNode,
     ResetCommunication,
-    /// Restart with this node-ID, or without one: the master has ended LSS configuration.
-    Restart(Option<NodeId>),
+    /// Restart with this node-ID, or without one, and with this bit rate of the model's table, if there is one: the
+    /// master has ended LSS configuration.
+    Restart {
+        node: Option<NodeId>,
+        bit_timing: Option<u8>,
+    },
     /// Use a new node-ID of LMT without a restart.
     MoveTo(NodeId),
-    /// Change to a new bit rate; the device is silent for this time before and after.
-    ActivateBitRate(Duration),
+    /// Change to this bit rate of the model's table; the device is silent for this time before and after.
+    ActivateBitRate {
+        bit_timing: Option<u8>,
+        delay: Duration,
+    },
     /// Hang, in a faulty firmware.
     Hang,
 }

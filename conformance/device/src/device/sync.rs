@@ -148,6 +148,9 @@ impl Service for SyncObject {
         if !context.phase.is_running() || !context.objects.consumes_sync() {
             return;
         }
+        if context.objects.model.sheet().quirks.sync_without_data && !frame.data().is_empty() {
+            return;
+        }
         let fits = self.has_length(frame.len(), context.firmware());
         let reported = !fits && !context.takes(Liberty::SyncLengthUnreported) || context.has(Fault::RightSyncReported);
         context.report(Condition::SyncLength, reported);

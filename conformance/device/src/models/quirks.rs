@@ -47,6 +47,8 @@ pub struct Quirks {
     pub reset_node_restores_profile: bool,
     /// Reset communication loads all stored parameters, as reset node does.
     pub reset_communication_loads_all: bool,
+    /// A SYNC with data is ignored.
+    pub sync_without_data: bool,
     /// From reset node until power-off, node-ID and bit rate take effect even if they are not stored.
     pub bus_objects_survive_reset: bool,
     /// Defaults that 1011h has restored are lost at power-off unless 1010h stores them.

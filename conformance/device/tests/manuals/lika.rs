@@ -28,6 +28,10 @@ fn life_guarding_is_always_on() {
     assert_eq!((bench.read(0x1001, 0), bench.read(0x1003, 0)), (Ok(0x11), Ok(0)), "only the history");
     assert_eq!(bench.reset("81"), ["701#00"]);
     assert_eq!(bench.read(0x1001, 0), Ok(0));
+    assert_eq!(bench.ask("701#R"), ["701#7F"]);
+    assert_eq!(bench.run(5_000), ["081#0010110000000000"]);
+    assert_eq!(bench.reset("81"), ["701#00"]);
+    assert_eq!((bench.read(0x1001, 0), bench.read(0x1003, 0)), (Ok(0), Ok(0)), "reset node deletes the error");
 }
 
 /// The device has neither LSS nor heartbeat.
@@ -50,11 +54,14 @@ fn node_id_and_bit_rate() {
     bench.write(0x3001, 0, 5, 1).unwrap();
     bench.write(0x3000, 0, 3, 1).unwrap();
     assert_eq!(bench.read(0x3001, 0), Ok(5));
-    assert_eq!(bench.reset("82"), ["701#00"], "not by reset communication");
+    assert_eq!(bench.device.bit_rate_kbit(), 500, "not before a reset");
+    assert_eq!(bench.reset("82"), ["701#00"], "the node-ID not by reset communication");
+    assert_eq!(bench.device.bit_rate_kbit(), 125);
     assert_eq!(bench.reset("81"), ["705#00"], "with the new node-ID");
     assert_eq!((bench.read_from(5, 0x3001, 0), bench.read_from(5, 0x3000, 0)), (Ok(5), Ok(3)));
     assert_eq!(bench.read_from(5, 0x1800, 1), Ok(0x4000_0185), "COB-IDs follow");
     assert_eq!(bench.power_cycle(), ["701#00"], "not stored");
+    assert_eq!(bench.device.bit_rate_kbit(), 500);
     assert_eq!(bench.read(0x3000, 0), Ok(5));
     bench.write(0x3001, 0, 5, 1).unwrap();
     bench.reset("81");

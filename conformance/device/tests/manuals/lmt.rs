@@ -55,8 +55,10 @@ fn bit_rate() {
     assert_eq!(bench.ask("7E5#1300040000000000"), ["7E4#1300000000000000"]);
     assert_eq!(bench.device.bit_rate_kbit(), 500, "not before it is activated");
     assert_eq!(bench.ask("7E5#15E8030000000000"), NONE);
+    assert_eq!(bench.device.bit_rate_kbit(), 500, "not before the first delay");
+    bench.run(1_000);
     assert_eq!(bench.device.bit_rate_kbit(), 125);
-    bench.run(1_900);
+    bench.run(900);
     assert_eq!(bench.ask("7E5#1700000000000000"), NONE, "in the second delay");
     bench.run(100);
     assert_eq!(bench.ask("7E5#1700000000000000"), ["7E4#1700000000000000"]);

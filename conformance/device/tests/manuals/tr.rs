@@ -113,6 +113,7 @@ fn remote_frames() {
         assert_eq!(bench.ask("181#R"), ["181#BA4C0000"]);
         assert_eq!(bench.ask("281#R"), ["281#BA4C0000"]);
         assert_eq!(bench.ask("080#"), ["281#BA4C0000"]);
+        assert_eq!(bench.ask("080#01"), NONE, "8.6: SYNC has no data");
         bench.ask("000#0201");
         assert_eq!(bench.ask("281#R"), NONE);
     }

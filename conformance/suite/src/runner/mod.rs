@@ -7,6 +7,7 @@ mod summary;
 
 pub use crate::trial::{CaseReport, run_case};
 pub use event::{DeviceIdentity, RunEvent, RunInfo};
+pub(crate) use repetition::run_undisturbed;
 pub use summary::{EndedEarly, HostTiming, Summary};
 
 use crate::bench::{Bench, Harm, baseline, dictionary, interrupted, objects};

@@ -10,7 +10,7 @@ use canvass_traces::Duration;
 /// Maximum number of repetitions of a case that others disturbed.
 const REPETITIONS: usize = 3;
 
-/// Number of repetitions of a failed case if the failure may come from a late device.
+/// Number of repetitions of a failed case if the failure may come from a late device, or from a motion.
 const CONFIRMATIONS: u32 = 3;
 
 /// Runs a case as often as the options require.
@@ -62,8 +62,9 @@ fn retried(bench: &mut Bench<'_>, case: &'static Case, retries: u32) -> CaseRepo
     last
 }
 
-/// Runs a case, and repeats it if others disturbed it, or if the device was or may have been late as a whole.
-fn run_undisturbed(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
+/// Runs a case, and repeats it if others disturbed it, if the device was or may have been late as a whole, or if a
+/// motion would explain the failure.
+pub(crate) fn run_undisturbed(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
     let first = run_quietly(bench, case);
     match doubt(&first, bench) {
         Some(doubt) if !bench.is_cancelled() => confirmed(bench, case, first, doubt),
@@ -71,8 +72,8 @@ fn run_undisturbed(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
     }
 }
 
-/// Repeats a failed case if the failure may come from a late device. If a repetition passes, or is inconclusive
-/// because of lateness, the case becomes inconclusive for the reason `doubt`; the frames of the failure stay its
+/// Repeats a failed case if the failure may have another cause than the device. If a repetition passes, or is
+/// inconclusive because of such a cause, the case becomes inconclusive for the reason `doubt`; the frames of the failure stay its
 /// evidence. Otherwise the failure counts.
 fn confirmed(bench: &mut Bench<'_>, case: &'static Case, mut failed: CaseReport, doubt: Reason) -> CaseReport {
     for number in 1..=CONFIRMATIONS {
@@ -90,12 +91,14 @@ fn confirmed(bench: &mut Bench<'_>, case: &'static Case, mut failed: CaseReport,
     failed
 }
 
-/// Whether a repetition passed, or is inconclusive only because the device was late. A repetition that could not begin
+/// Whether a repetition passed, or is inconclusive only because the device was late or moved. A repetition that could not begin
 /// is no reason to doubt the failure: the failure itself may prevent it.
 fn has_not_come_again(verdict: &Verdict) -> bool {
     match verdict.kind() {
         Kind::Pass | Kind::Tolerated | Kind::Deviation => true,
-        Kind::Inconclusive => verdict.reason().is_some_and(|reason| reason.lack == Lack::Promptness),
+        Kind::Inconclusive => {
+            verdict.reason().is_some_and(|reason| matches!(reason.lack, Lack::Promptness | Lack::Steadiness))
+        }
         Kind::Fail | Kind::NotApplicable | Kind::Error => false,
     }
 }

@@ -22,6 +22,8 @@ pub struct Chance {
     pub beside_faults: usize,
     /// Number of positions, at most 3, from which every model moves in every way.
     pub starts: usize,
+    /// Number of random motions from random positions for each model.
+    pub motions: usize,
 }
 
 /// The results of the cases on firmware with liberties.
@@ -57,9 +59,9 @@ impl Chance {
     /// Number of liberties in a combination.
     pub const TOGETHER: usize = 5;
     /// The amount in `canvass selftest`.
-    pub const WHOLE: Self = Self { seed: 1, combinations: 500, beside_faults: 50, starts: 1 };
+    pub const WHOLE: Self = Self { seed: 1, combinations: 500, beside_faults: 50, starts: 1, motions: 12 };
     /// No random tests.
-    pub const NONE: Self = Self { seed: 1, combinations: 0, beside_faults: 0, starts: 0 };
+    pub const NONE: Self = Self { seed: 1, combinations: 0, beside_faults: 0, starts: 0, motions: 0 };
 }
 
 impl LibertyRow {

@@ -19,7 +19,7 @@ use crate::bench::{Bench, Knowledge, Options, Target};
 use crate::case::Case;
 use crate::catalogue;
 use crate::clause::Level;
-use crate::runner::{CaseReport, run_case};
+use crate::runner::{CaseReport, run_undisturbed};
 use crate::touch::Touch;
 use crate::trial::is_gone;
 use crate::verdict::{Grade, Kind, Reason, Ruled, Verdict};
@@ -157,7 +157,7 @@ pub fn run(
         .for_each(|one| masking.add(one));
     let faults = fault_rows.into_iter().flatten().collect();
     let sparing = liberties::run(cases, &order, chance);
-    let moving = motions::run(cases, &order, models, chance.starts);
+    let moving = motions::run(cases, &order, models, chance);
     Matrix { faults, models: model_rows, masking, sparing, moving, cases: cases.to_vec() }
 }
 
@@ -297,7 +297,7 @@ fn judge_machine(
     };
     let mut bench = Bench::new(&mut bus, target, &options, &mut annotate, &cancel);
     bench.learn(std::mem::take(knowledge));
-    let report = run_case(&mut bench, case);
+    let report = run_undisturbed(&mut bench, case);
     *knowledge = bench.into_knowledge();
     report
 }

@@ -1,9 +1,10 @@
 //! A measured quantity that moves is no fault: no case fails on a correct device, however it moves. And a fault is found
 //! although the measured quantity trembles, as that of every real sensor does.
 
-use super::{REST, in_parallel, judge_machine, node_of, records};
+use super::{Chance, REST, in_parallel, judge_machine, node_of, records};
 use crate::bench::{Knowledge, Target};
 use crate::case::Case;
+use crate::dice::Dice;
 use crate::verdict::{Kind, Reason, Verdict};
 use canvass_device::models::Model;
 use canvass_device::{Device, Fault, Firmware, Motion};
@@ -13,6 +14,15 @@ use canvass_traces::Duration;
 struct Course {
     name: &'static str,
     from: fn(i64) -> Motion,
+}
+
+/// A model that moves from a position.
+struct Moved {
+    model: &'static Model,
+    /// The motion as a user types it, or in words.
+    name: String,
+    start: i64,
+    motion: Motion,
 }
 
 /// Twelve ways to move. Amplitudes and speeds are in units of a revolution.
@@ -60,8 +70,8 @@ pub struct Moving {
 pub struct MotionRow {
     /// The model.
     pub model: &'static str,
-    /// The motion.
-    pub motion: &'static str,
+    /// The motion, in words or as typed after `sim:MODEL~`.
+    pub motion: String,
     /// The position from which it moves, in steps of the physical resolution.
     pub start: i64,
     /// Number of cases that ran to an end.
@@ -82,34 +92,90 @@ impl Moving {
     }
 }
 
-/// Runs the cases on all models in all motions, each from this number of positions, and looks for the faults on devices
-/// that tremble. Without positions nothing runs.
-pub(super) fn run(cases: &[&'static Case], faults: &[Fault], models: &[&'static Model], starts: usize) -> Moving {
-    let mut moving: Vec<(&'static Model, &'static Course, i64)> = Vec::new();
+/// Runs the cases on all models in all motions, each from [`Chance::starts`] positions, and in
+/// [`Chance::motions`] random motions, and looks for the faults on devices that tremble. Without positions nothing runs.
+pub(super) fn run(cases: &[&'static Case], faults: &[Fault], models: &[&'static Model], chance: Chance) -> Moving {
+    let mut moved = Vec::new();
+    let mut dice = Dice::new(chance.seed);
     for (n, model) in models.iter().enumerate() {
         for (m, course) in COURSES.iter().enumerate() {
             // With fewer positions each model and motion has another one.
-            let chosen = (0..starts.min(STARTS.len())).filter_map(|k| STARTS.get((n + m + k) % STARTS.len()));
-            moving.extend(chosen.map(|start| (*model, course, *start)));
+            let chosen = (0..chance.starts.min(STARTS.len())).filter_map(|k| STARTS.get((n + m + k) % STARTS.len()));
+            moved.extend(chosen.map(|&start| Moved {
+                model,
+                name: course.name.to_owned(),
+                start,
+                motion: (course.from)(start),
+            }));
         }
+        moved.extend((0..chance.motions).map(|_| drawn(model, &mut dice)));
     }
-    let faults = if starts == 0 { &[] } else { faults };
+    let faults = if chance.starts == 0 { &[] } else { faults };
     let found = in_parallel(faults, |fault| is_found(*fault, cases));
     let missed = faults.iter().zip(&found).filter(|(_, found)| **found == Some(false)).map(|(fault, _)| *fault);
     Moving {
-        rows: in_parallel(&moving, |(model, course, start)| row(model, course, *start, cases)),
+        rows: in_parallel(&moved, |moved| row(moved, cases)),
         tried: found.iter().flatten().count(),
         missed: missed.collect(),
     }
 }
 
-fn row(model: &'static Model, course: &Course, start: i64, cases: &[&'static Case]) -> MotionRow {
-    let mut row = MotionRow { model: model.id(), motion: course.name, start, executed: 0, alarms: Vec::new() };
+/// A random motion from a random position. Each quantity is drawn by its order of magnitude: from a trembling sensor to
+/// the fastest shaft.
+fn drawn(model: &'static Model, dice: &mut Dice) -> Moved {
+    // No model has more steps.
+    let start = (dice.next() >> 20) as i64;
+    let sign = if dice.below(2) == 0 { 1.0 } else { -1.0 };
+    let (name, motion) = match dice.below(5) {
+        0 => ("still".to_owned(), Motion::still(start)),
+        1 => {
+            let (amplitude, period) = (magnitude(dice, -7.0, 1.0), magnitude(dice, -2.0, 1.5));
+            let period = Duration((period * 1e9) as u64);
+            (format!("sine={amplitude},{}", period.as_millis() / 1e3), Motion::sine(start, amplitude, period))
+        }
+        2 => {
+            let milli = (sign * magnitude(dice, 0.0, 6.5)).round();
+            (format!("rpm={}", milli / 1e3), Motion::constant(start, milli as i64))
+        }
+        3 => {
+            let (speed, rise) = (sign * magnitude(dice, -2.0, 3.5), magnitude(dice, -1.0, 2.0));
+            let rise = Duration((rise * 1e9) as u64);
+            (format!("ramp={speed},{}", rise.as_millis() / 1e3), Motion::ramp(start, speed, rise))
+        }
+        _ => {
+            let points = wandering(dice);
+            let last = points.last().map_or(0.0, |point| point.0);
+            (format!("csv={} random points in {last:.1} s", points.len()), Motion::through(start, &points))
+        }
+    };
+    Moved { model, name, start, motion }
+}
+
+/// A number whose decimal logarithm is drawn between these.
+fn magnitude(dice: &mut Dice, least: f64, most: f64) -> f64 {
+    10_f64.powf(least + (most - least) * dice.fraction())
+}
+
+/// The points of a shaft that rests, turns and turns back at random.
+fn wandering(dice: &mut Dice) -> Vec<(f64, f64)> {
+    let (mut time, mut place) = (0.0, 0.0);
+    let mut points = Vec::new();
+    for _ in 0..3 + dice.below(400) {
+        points.push((time, place));
+        time += magnitude(dice, -2.0, 1.2);
+        let way = [0.0, 0.0, 1.0, -1.0][dice.below(4) as usize % 4];
+        place += way * magnitude(dice, -7.0, 0.5);
+    }
+    points
+}
+
+fn row(moved: &Moved, cases: &[&'static Case]) -> MotionRow {
+    let Moved { model, name, start, motion } = moved;
+    let mut row = MotionRow { model: model.id(), motion: name.clone(), start: *start, executed: 0, alarms: Vec::new() };
     let target = Target::of(model, node_of(model));
     let mut knowledge = Knowledge::default();
     for &case in cases {
-        let motion = (course.from)(start);
-        let verdict = judge(case, model, Firmware::PLAIN, &target, &motion, &mut knowledge);
+        let verdict = judge(case, model, Firmware::PLAIN, &target, motion, &mut knowledge);
         let kind = verdict.kind();
         row.executed += usize::from(kind.is_executed());
         if matches!(kind, Kind::Fail | Kind::Error) {

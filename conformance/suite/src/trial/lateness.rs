@@ -59,7 +59,7 @@ const SIGN_OF_STALLS: Duration = Duration::from_millis(5);
 /// The reason to doubt a failure until it comes again: lateness can cause each of its breaches, and the device was late
 /// as a whole at some time in the run. A device that sometimes gets no processor time may be prompt again when the
 /// bench measures it.
-pub(crate) fn doubt(report: &CaseReport, bench: &Bench<'_>) -> Option<Reason> {
+pub(super) fn doubt(report: &CaseReport, bench: &Bench<'_>) -> Option<Reason> {
     if report.verdict.kind() != Kind::Fail {
         return None;
     }

@@ -5,6 +5,7 @@ mod hindrance;
 mod kept_out;
 mod lateness;
 mod left_behind;
+mod motion;
 mod others;
 mod presence;
 mod report;
@@ -12,7 +13,6 @@ mod restart;
 mod restoration;
 mod ruling;
 
-pub(crate) use lateness::doubt;
 pub(crate) use presence::is_gone;
 pub use report::CaseReport;
 
@@ -73,6 +73,11 @@ const JUDGES: [Judge; 10] = [
 pub fn run_case(bench: &mut Bench<'_>, case: &'static Case) -> CaseReport {
     let trial = attempt::run(Trial::new(bench, case), bench);
     JUDGES.iter().fold(trial, |trial, judge| judge(trial, bench)).report(bench)
+}
+
+/// The reason to doubt a failure until it comes again, if there is one.
+pub(crate) fn doubt(report: &CaseReport, bench: &Bench<'_>) -> Option<Reason> {
+    lateness::doubt(report, bench).or_else(|| motion::doubt(report))
 }
 
 impl Trial {

@@ -32,6 +32,9 @@ pub struct Breach {
     pub periods: u64,
     /// The lateness of a device without processor time that would explain the breach, if it is known.
     pub lateness: Option<Duration>,
+    /// Whether the breach follows from values that the device measured at different times, so that a change of the
+    /// measured quantity between them would explain it.
+    pub compares_measurements: bool,
 }
 
 /// The severity of a breach.
@@ -99,6 +102,7 @@ impl Breach {
             seen: None,
             periods: 1,
             lateness: None,
+            compares_measurements: false,
         }
     }
 
@@ -137,6 +141,12 @@ impl Breach {
     #[must_use]
     pub fn explained_by(self, lateness: Duration) -> Self {
         Self { lateness: Some(lateness), ..self }
+    }
+
+    /// Declares that a change of the measured quantity during the case would explain the breach.
+    #[must_use]
+    pub fn explained_by_motion(self) -> Self {
+        Self { compares_measurements: true, ..self }
     }
 
     /// Marks the breach as accepted by CiA's own test tool.

@@ -88,6 +88,8 @@ pub enum Lack {
     Quiet,
     /// A device that gets processor time when it needs it.
     Promptness,
+    /// A measured quantity that stays, or changes steadily.
+    Steadiness,
 }
 
 /// The kinds of verdict, for counting and for names.

@@ -1,6 +1,6 @@
 //! Reasons why a case ends before its last line.
 
-use super::{Breach, Reason};
+use super::{Breach, Lack, Reason};
 
 /// The reason why a case ends before its last line.
 #[derive(Clone, PartialEq, Eq, Debug)]
@@ -23,6 +23,9 @@ impl Stop {
     #[must_use]
     pub fn unreached(self) -> Self {
         match self {
+            Self::Breach(breach) if breach.compares_measurements => {
+                Self::Inconclusive(Reason::from(&*breach).for_lack_of(Lack::Steadiness))
+            }
             Self::Breach(breach) => Self::Inconclusive(Reason::from(&*breach)),
             other => other,
         }

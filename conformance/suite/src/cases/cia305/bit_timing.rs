@@ -1,6 +1,7 @@
 //! Configuration and activation of the bit timing (CiA 305, 6.4.3 and 6.4.4).
 
 use super::dialogue::{breach, configure, exchange, expect_error, expect_plain, wait};
+use super::node_id::RESTART;
 use crate::bench::Bench;
 use crate::case;
 use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
@@ -92,6 +93,8 @@ fn activate(bench: &mut Bench<'_>) -> Judged {
     let heard = bench.listen(Duration::from_millis(2 * u64::from(DELAY_MS) - 40))?;
     bench.listen(delay.times(2))?;
     wait(bench)?;
+    // Some devices restart at the end of configuration.
+    bench.listen(RESTART)?;
     bench.check(heard.first().map_or(Ok(()), |first| {
         let breach = breach("after activate bit timing the slave is silent for twice the delay");
         Err(Box::new(breach.expected(Observation::Silence).found(Observation::Frame(first.frame))))

@@ -42,7 +42,7 @@ fn still(bench: &mut Bench<'_>, pauses: &[Duration]) -> Result<u32, Stop> {
         (least, most) = (least.min(last), most.max(last));
         demand(most - least <= TREMBLE, || {
             let breach = Breach::new(POSITION, format!("the shaft is at rest for {whole}"));
-            breach.expected(number(first)).found(number(last))
+            breach.expected(number(first)).found(number(last)).explained_by_motion()
         })
         .or_inconclusive()?;
     }
@@ -60,7 +60,7 @@ pub(super) fn at_rest(bench: &mut Bench<'_>, check: Check) -> Judged {
         let pause = Duration(bench.time_of_case().nanos() / READINGS).max(Duration::from_millis(5));
         still(bench, &[pause; READINGS as usize])?;
     }
-    bench.check(check)
+    bench.check(check.map_err(|breach| Box::new(breach.explained_by_motion())))
 }
 
 /// Sets the bits `with` of 6000h, and clears the bits `without`.
