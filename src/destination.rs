@@ -3,9 +3,9 @@
 use crate::output::Output;
 use crate::whole_file::WholeFile;
 use anyhow::{Context, Result, bail};
-use canvass_traces::{Compression, Format, WriteError};
+use canvass_traces::{Compression, Format, WriteError, Writer};
 use std::fs::{self, File, OpenOptions};
-use std::io::{self, Write};
+use std::io::{self, Seek, Write};
 use std::path::{Path, PathBuf};
 
 /// Path and format of an output.
@@ -28,6 +28,13 @@ impl Destination {
         };
         if !format.is_written() {
             return Err(WriteError::NotWritten(format).into());
+        }
+        if format.rewrites_beginning() && (path.as_os_str() == "-" || compression != Compression::None) {
+            bail!(
+                "{} states its length at its beginning, which a pipe or a compressed file does not allow: name a file \
+                 that is not compressed",
+                format.summary()
+            );
         }
         Ok(Self { path: path.to_owned(), format, compression, force })
     }
@@ -75,6 +82,22 @@ impl Destination {
             .open(&self.path)
             .with_context(|| format!("can't write {}", self.path.display()))
     }
+}
+
+/// Writes the final beginning over that of a finished file, if its format has one.
+pub fn complete_beginning(mut file: File, writer: &dyn Writer) -> Result<()> {
+    let Some(beginning) = writer.beginning() else { return Ok(()) };
+    let written = file.rewind().and_then(|()| file.write_all(beginning)).and_then(|()| file.flush());
+    written.context("can't complete the beginning of the capture")
+}
+
+/// Writes the final beginning over that of a finished file with this path, as [`complete_beginning`] does.
+pub fn complete_beginning_of(path: &Path, writer: &dyn Writer) -> Result<()> {
+    if writer.beginning().is_none() {
+        return Ok(());
+    }
+    let file = OpenOptions::new().write(true).open(path).with_context(|| format!("can't write {}", path.display()))?;
+    complete_beginning(file, writer)
 }
 
 /// Refuses to overwrite a file without `--force`. A pipe or a device has no content to lose.

@@ -1,6 +1,6 @@
 //! `canvass convert`: captures from one format to another.
 
-use crate::destination::Destination;
+use crate::destination::{Destination, complete_beginning};
 use crate::files::Files;
 use crate::inputs::{InputOptions, Inputs, RecordKind, format_ids};
 use crate::output::{Output, diagnostic};
@@ -174,7 +174,10 @@ impl Conversion<'_> {
         let (format, whole) = (self.destination.format, self.whole.take());
         let recording = self.recording(inputs)?;
         recording.finish()?;
-        whole.map_or(Ok(()), WholeFile::complete)?;
+        if let Some(whole) = whole {
+            complete_beginning(whole.writer()?, recording)?;
+            whole.complete()?;
+        }
         report_losses(format, recording.losses());
         Ok(())
     }

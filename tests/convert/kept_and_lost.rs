@@ -61,6 +61,30 @@ const TABLE: &[Kept] = &[
         },
     },
     Kept {
+        format: Format::Blf,
+        lost: &[Loss::Frame, Loss::ChannelName, Loss::Direction, Loss::TimeZone],
+        lost_elsewhere: &[Loss::TimeResolution, Loss::ErrorDetail, Loss::Comment],
+        row: |row, numbers| {
+            let mut row = numbered(no_xl(row)?, numbers);
+            row.direction = match row.direction {
+                _ if row.is_error => Direction::Unknown,
+                Direction::Unknown => Direction::Rx,
+                known => known,
+            };
+            Some(row)
+        },
+    },
+    Kept {
+        format: Format::Mf4,
+        lost: &[Loss::Frame, Loss::ChannelName, Loss::Direction, Loss::ErrorDetail],
+        lost_elsewhere: &[Loss::TimeResolution, Loss::UnknownDate, Loss::Comment],
+        row: |row, numbers| {
+            let row = numbered(no_error_detail(no_xl(row)?), numbers);
+            let direction = if row.direction == Direction::Tx { Direction::Tx } else { Direction::Rx };
+            Some(RecordContent { direction, ..row })
+        },
+    },
+    Kept {
         format: Format::Trc,
         lost: &[
             Loss::Frame,

@@ -88,6 +88,17 @@ def python_can_writer(writer, numbered=True, **options):
     return write
 
 
+def write_sqlite(path, frames):
+    import can, time
+
+    with can.SqliteWriter(path) as out:
+        for f in frames:
+            out.on_message_received(to_message(f, None))
+        # The writer's thread drops what it has not taken from its queue when it ends.
+        while not out.buffer.empty():
+            time.sleep(0.01)
+
+
 # MCAP
 
 CLASSICAL, FD = "can_msgs/msg/Frame", "ros2_socketcan_msgs/msg/FdFrame"
@@ -198,6 +209,8 @@ READERS = {
     "asc": python_can("ASCReader", relative_timestamp=False),
     "trc": python_can("TRCReader", first_channel=0),
     "csv": python_can("CSVReader"),
+    "blf": python_can("BLFReader"),
+    "mf4": python_can("MF4Reader", first_channel=0),
     "mcap": read_mcap,
     "rosbags": read_rosbags,
 }
@@ -208,6 +221,7 @@ WRITERS = {
     "csv": python_can_writer("CSVWriter"),
     "blf": python_can_writer("BLFWriter"),
     "mf4": python_can_writer("MF4Writer"),
+    "sqlite": write_sqlite,
     "mcap-zstd": mcap_writer("ZSTD"),
     "mcap-lz4": mcap_writer("LZ4"),
     "mcap-plain": mcap_writer("NONE"),

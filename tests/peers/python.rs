@@ -136,6 +136,22 @@ fn python_can_writes_csv() {
     writes("csv", Format::PythonCanCsv, losses, &[]);
 }
 
+#[test]
+fn python_can_reads_blf() {
+    reads("blf", Format::Blf, &[numbered, received_or_sent, received_errors], &[]);
+}
+
+/// python-can reads by asammdf, which reads each group of records.
+#[test]
+fn python_can_reads_mf4() {
+    reads("mf4", Format::Mf4, &[numbered, no_error_detail, received_or_sent], &[]);
+}
+
+#[test]
+fn python_can_writes_sqlite() {
+    writes("sqlite", Format::Sqlite, &[channel_1, no_direction, no_fd_flags, no_short_fd], &[]);
+}
+
 /// python-can writes a group of records each for data, remote and error frames.
 #[test]
 fn python_can_writes_mf4() {

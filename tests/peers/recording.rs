@@ -6,6 +6,7 @@ use canvass_traces::{
 };
 use std::fmt;
 use std::fs::File;
+use std::io::{Seek, Write};
 use std::path::Path;
 
 pub const FRAMES: usize = 6_000;
@@ -83,8 +84,9 @@ impl Random {
 /// Writes a capture as `canvass convert` does.
 pub fn write(path: &Path, format: Format, chunk_compression: ChunkCompression, frames: &[Seen]) {
     let options = WriteOptions { time_base: TimeBase::Utc, chunk_compression, ..WriteOptions::default() };
-    let file = Box::new(File::create(path).unwrap());
-    let mut recording = Recording::create(file, format, Compression::None, &options).unwrap();
+    let mut file = File::create(path).unwrap();
+    let mut recording =
+        Recording::create(Box::new(file.try_clone().unwrap()), format, Compression::None, &options).unwrap();
     let mut channels = Channels::new();
     for seen in frames {
         let mut record = seen.record.clone();
@@ -92,6 +94,10 @@ pub fn write(path: &Path, format: Format, chunk_compression: ChunkCompression, f
         recording.write(&record, &channels).unwrap();
     }
     recording.finish().unwrap();
+    if let Some(beginning) = recording.beginning() {
+        file.rewind().unwrap();
+        file.write_all(beginning).unwrap();
+    }
 }
 
 /// All frames of a capture, whose format must be recognised and which must be undamaged.

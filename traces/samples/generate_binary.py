@@ -438,8 +438,46 @@ def make_blf():
         expect(name, lines)
 
 
+def make_sqlite():
+    """Pages of the usual size, and of the smallest: then the table is a tree, and long rows have overflow pages."""
+    import can, sqlite3
+    for name, size in [("python-can.db", 4096), ("python-can-small-pages.db", 512)]:
+        path = HERE / name
+        path.unlink(missing_ok=True)
+        with sqlite3.connect(path) as db:
+            db.execute(f"PRAGMA page_size = {size}")
+            db.execute("VACUUM")
+        with can.SqliteWriter(str(path)) as writer:
+            for f in TRAFFIC:
+                writer.on_message_received(message(f))
+        lines = []
+        for m in can.SqliteReader(str(path)):
+            can_id = m.arbitration_id | (EXT if m.is_extended_id else 0) | (RTR if m.is_remote_frame else 0) | \
+                (ERR if m.is_error_frame else 0)
+            # The format does not tell CAN FD from classical frames.
+            fd = 0 if m.dlc > 8 else None
+            lines.append(show(round(m.timestamp * 1e6) * 1000, "1", can_id, bytes(m.data), fd, m.dlc))
+        expect(name, lines)
+    # Another table, name and order of columns, and rows that need overflow pages.
+    path = HERE / "long-rows.sqlite"
+    path.unlink(missing_ok=True)
+    with sqlite3.connect(path) as db:
+        db.execute("PRAGMA page_size = 512")
+        db.execute("CREATE TABLE notes (ts REAL, text TEXT)")
+        db.execute('CREATE TABLE "bus 1" (note TEXT, "data" BLOB, dlc INTEGER, error INTEGER, remote INTEGER, '
+                   "extended INTEGER, arbitration_id INTEGER, ts REAL)")
+        for n in range(8):
+            db.execute('INSERT INTO "bus 1" VALUES (?, ?, ?, 0, 0, ?, ?, ?)',
+                       ("x" * 300 * n, bytes(range(n)), n, n % 2, 0x181 + n, n / 10))
+    db.close()
+    lines = []
+    for _, data, dlc, _, _, extended, can_id, ts in sqlite3.connect(path).execute('SELECT * FROM "bus 1"'):
+        lines.append(show(round(ts * 1e9), "1", can_id | (EXT if extended else 0), data, None, dlc))
+    expect(path.name, lines)
+
+
 PARTS = {"pcap": make_pcap, "unclean": make_unclean, "pcapng": make_pcapng, "mcap": make_mcap, "blf": make_blf,
-         "mf4": make_mf4}
+         "mf4": make_mf4, "sqlite": make_sqlite}
 
 if __name__ == "__main__":
     for part in sys.argv[1:] or PARTS:

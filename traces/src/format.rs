@@ -11,7 +11,7 @@ use std::fmt;
 /// assert_eq!(by_extension("pcapng"), Some(Format::Pcapng));
 /// assert_eq!(Format::Pcapng.to_string(), "pcapng");
 /// let only_read: Vec<_> = Format::all().filter(|format| !format.is_written()).collect();
-/// assert_eq!(only_read, [Format::Blf, Format::Mf4, Format::MiniMon, Format::Crtd, Format::CandumpConsole, Format::Pasted]);
+/// assert_eq!(only_read, [Format::Sqlite, Format::MiniMon, Format::Crtd, Format::CandumpConsole, Format::Pasted]);
 /// ```
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Format {
@@ -37,6 +37,8 @@ pub enum Format {
     Mf4,
     /// python-can CSV.
     PythonCanCsv,
+    /// python-can's SQLite database.
+    Sqlite,
     /// The log of the Open Vehicle Monitoring System.
     Crtd,
     /// Lines of frames in no known format. It stays the last one.

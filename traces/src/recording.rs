@@ -79,6 +79,10 @@ impl Writer for Recording {
     fn losses(&self) -> &Losses {
         self.writer.losses()
     }
+
+    fn beginning(&self) -> Option<&[u8]> {
+        self.writer.beginning()
+    }
 }
 
 /// The sink, shared by the writer and the recording. The recording must finish the sink itself: a destructor would lose

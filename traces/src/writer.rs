@@ -28,6 +28,13 @@ pub trait Writer {
 
     /// The losses so far.
     fn losses(&self) -> &Losses;
+
+    /// The first bytes of the finished file, if the format states there what is known only at the end, such as the
+    /// file's size. The caller writes them over the beginning of the file. Without them a reader may take the file for
+    /// unfinished.
+    fn beginning(&self) -> Option<&[u8]> {
+        None
+    }
 }
 
 /// Why a capture can't be written.

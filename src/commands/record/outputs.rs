@@ -1,6 +1,6 @@
 //! The files of a recorder: a full file is followed by a new one, and the oldest is deleted.
 
-use crate::destination::Destination;
+use crate::destination::{Destination, complete_beginning_of};
 use crate::output::{Output, diagnostic, raw};
 use anyhow::{Context, Result, bail};
 use canvass_traces::{
@@ -113,7 +113,7 @@ impl Series {
     }
 
     fn rotate(&mut self) -> Result<()> {
-        self.checked(Recording::finish)?;
+        self.complete()?;
         self.number += 1;
         let next = numbered(&self.path, self.number);
         self.recording = create(&next, self.format, self.force, self.time_base, &self.written)?;
@@ -128,12 +128,18 @@ impl Series {
     }
 
     fn finish(&mut self) -> Result<()> {
-        self.checked(Recording::finish)?;
+        self.complete()?;
         for (loss, frames) in self.recording.losses().iter() {
             let (path, plural) = (self.path.display(), if frames == 1 { "" } else { "s" });
             diagnostic(&format!("canvass: {path} can't hold {} of {frames} frame{plural}", loss.name()));
         }
         Ok(())
+    }
+
+    /// Completes the current file.
+    fn complete(&mut self) -> Result<()> {
+        self.checked(Recording::finish)?;
+        complete_beginning_of(self.files.back().unwrap_or(&self.path), &self.recording)
     }
 
     fn checked(&mut self, act: impl FnOnce(&mut Recording) -> Result<(), WriteError>) -> Result<()> {

@@ -4,7 +4,7 @@
 //! test tool: frames of CAN-ID 7FFh that were not on the bus, with the number of the case's family as group, and the
 //! case's place in the family.
 
-use crate::destination::Destination;
+use crate::destination::{Destination, complete_beginning_of};
 use crate::output::{Output, diagnostic};
 use anyhow::{Result, anyhow};
 use canvass_analyzer::CaseMark;
@@ -167,6 +167,7 @@ fn write(path: &Path, force: bool, ready: &SyncSender<()>, entries: &Receiver<En
         last = Some(record);
     }
     recording.finish()?;
+    complete_beginning_of(path, &recording)?;
     for (loss, frames) in recording.losses().iter() {
         diagnostic(&format!("canvass: the capture can't hold {} of {frames} frames", loss.name()));
     }

@@ -14,8 +14,10 @@ pub(crate) mod minimon;
 pub(crate) mod pasted;
 pub(crate) mod pcap;
 pub(crate) mod pcapng;
+mod python_can;
 pub(crate) mod python_can_csv;
 pub(crate) mod socketcan;
+pub(crate) mod sqlite;
 pub(crate) mod trc;
 mod trc_numbers;
 mod trc_row;
@@ -44,6 +46,8 @@ struct Writing {
     create: Create,
     /// The properties of records that the format can't hold.
     losses: &'static [Loss],
+    /// Whether the beginning of the file states what is known only at its end: [`Writer::beginning`].
+    rewrites_beginning: bool,
 }
 
 type Create = fn(Box<dyn Write>, &WriteOptions) -> Result<Box<dyn Writer>, WriteError>;
@@ -57,7 +61,11 @@ const FORMATS: &[FormatEntry] = &[
         extensions: &["pcapng", "ntar"],
         sniff: pcapng::sniff,
         open: pcapng::open,
-        writing: Some(Writing { create: pcapng::create, losses: &[Loss::UnknownDate, Loss::TimeZone] }),
+        writing: Some(Writing {
+            create: pcapng::create,
+            losses: &[Loss::UnknownDate, Loss::TimeZone],
+            rewrites_beginning: false,
+        }),
     },
     FormatEntry {
         format: Format::Pcap,
@@ -69,6 +77,7 @@ const FORMATS: &[FormatEntry] = &[
         writing: Some(Writing {
             create: pcap::create,
             losses: &[Loss::ChannelName, Loss::Direction, Loss::Date, Loss::UnknownDate, Loss::TimeZone, Loss::Comment],
+            rewrites_beginning: false,
         }),
     },
     FormatEntry {
@@ -81,6 +90,7 @@ const FORMATS: &[FormatEntry] = &[
         writing: Some(Writing {
             create: mcap::create,
             losses: &[Loss::Frame, Loss::Direction, Loss::UnknownDate, Loss::TimeZone, Loss::FdFlags, Loss::RawDlc],
+            rewrites_beginning: false,
         }),
     },
     FormatEntry {
@@ -90,7 +100,19 @@ const FORMATS: &[FormatEntry] = &[
         extensions: &["blf"],
         sniff: blf::sniff,
         open: blf::open,
-        writing: None,
+        writing: Some(Writing {
+            create: blf::create,
+            losses: &[
+                Loss::Frame,
+                Loss::ChannelName,
+                Loss::Direction,
+                Loss::TimeResolution,
+                Loss::TimeZone,
+                Loss::ErrorDetail,
+                Loss::Comment,
+            ],
+            rewrites_beginning: true,
+        }),
     },
     FormatEntry {
         format: Format::Mf4,
@@ -99,6 +121,27 @@ const FORMATS: &[FormatEntry] = &[
         extensions: &["mf4"],
         sniff: mf4::sniff,
         open: mf4::open,
+        writing: Some(Writing {
+            create: mf4::create,
+            losses: &[
+                Loss::Frame,
+                Loss::ChannelName,
+                Loss::Direction,
+                Loss::TimeResolution,
+                Loss::UnknownDate,
+                Loss::ErrorDetail,
+                Loss::Comment,
+            ],
+            rewrites_beginning: true,
+        }),
+    },
+    FormatEntry {
+        format: Format::Sqlite,
+        id: "sqlite",
+        summary: "python-can SQLite database",
+        extensions: &["db", "sqlite"],
+        sniff: sqlite::sniff,
+        open: sqlite::open,
         writing: None,
     },
     FormatEntry {
@@ -108,7 +151,7 @@ const FORMATS: &[FormatEntry] = &[
         extensions: &["trc"],
         sniff: trc::sniff,
         open: trc::open,
-        writing: Some(Writing { create: trc::create, losses: OF_TEXT_OF_WINDOWS }),
+        writing: Some(Writing { create: trc::create, losses: OF_TEXT_OF_WINDOWS, rewrites_beginning: false }),
     },
     FormatEntry {
         format: Format::PythonCanCsv,
@@ -128,6 +171,7 @@ const FORMATS: &[FormatEntry] = &[
                 Loss::RawDlc,
                 Loss::Comment,
             ],
+            rewrites_beginning: false,
         }),
     },
     FormatEntry {
@@ -155,7 +199,7 @@ const FORMATS: &[FormatEntry] = &[
         extensions: &["asc"],
         sniff: asc::sniff,
         open: asc::open,
-        writing: Some(Writing { create: asc::create, losses: OF_TEXT_OF_WINDOWS }),
+        writing: Some(Writing { create: asc::create, losses: OF_TEXT_OF_WINDOWS, rewrites_beginning: false }),
     },
     FormatEntry {
         format: Format::Candump,
@@ -164,7 +208,11 @@ const FORMATS: &[FormatEntry] = &[
         extensions: &["log"],
         sniff: candump_log::sniff,
         open: candump_log::open,
-        writing: Some(Writing { create: candump_log::create, losses: &[Loss::ChannelName, Loss::TimeZone] }),
+        writing: Some(Writing {
+            create: candump_log::create,
+            losses: &[Loss::ChannelName, Loss::TimeZone],
+            rewrites_beginning: false,
+        }),
     },
     FormatEntry {
         format: Format::CandumpConsole,
@@ -250,6 +298,12 @@ impl Format {
         let row = FORMATS.iter().find(|row| row.format == self);
         debug_assert!(row.is_some(), "{self:?} has no row in FORMATS");
         row.unwrap_or(&FORMATS[0])
+    }
+
+    /// Whether the beginning of a written file is written again at its end, so that the file can be neither a pipe nor
+    /// compressed.
+    pub fn rewrites_beginning(self) -> bool {
+        self.row().writing.as_ref().is_some_and(|writing| writing.rewrites_beginning)
     }
 
     /// Whether canvass writes this format.

@@ -13,21 +13,18 @@
 //!
 //! A last line without line end is read if its data has the length in `dlc`.
 
-use crate::formats::candump_log::EPOCH_FROM;
+use crate::formats::python_can::{CHANNEL, Message, Wrong, time_base};
 use crate::grammar::{Expected, Parsed, decimal, hex_run, tag};
 use crate::lines::{Line, LineFormat, TextReader, head_lines};
 use crate::text_writer::{LineWriter, TextWriter};
 use crate::{
-    CanId, ChannelId, Channels, Damage, Direction, ErrorClass, Flags, Frame, Loss, Losses, ReadOptions, Reader, Record,
-    Source, TimeBase, Timestamp, WriteError, WriteOptions, Writer,
+    Channels, Damage, Direction, Flags, Loss, Losses, ReadOptions, Reader, Record, Source, TimeBase, WriteError,
+    WriteOptions, Writer,
 };
 use std::fmt::Write as _;
 use std::io::Write;
 
 const HEADER: &str = "timestamp,arbitration_id,extended,remote,error,dlc,data";
-
-/// The name of the only channel.
-const CHANNEL: &str = "1";
 
 pub(crate) fn sniff(head: &[u8]) -> bool {
     let line = head_lines(head).map(|(line, _)| line.trim_ascii()).find(|line| !line.is_empty());
@@ -50,8 +47,7 @@ impl LineFormat for Csv {
         }
         Some(match row(line.bytes) {
             Ok((_, mut record)) => {
-                let nanos = record.timestamp.nanos();
-                self.base.get_or_insert(if nanos < EPOCH_FROM { TimeBase::Start } else { TimeBase::Utc });
+                self.base.get_or_insert(time_base(record.timestamp));
                 record.channel = channels.intern(CHANNEL);
                 record.place = line.place;
                 Ok(record)
@@ -80,31 +76,17 @@ fn row(input: &[u8]) -> Parsed<'_, Record> {
     let (len_at, len) = decimal("a length")(rest)?;
     let (data_at, ()) = comma(len_at)?;
     let (rest, data) = base64(data_at)?;
-    let carried = if remote { 0 } else { len };
-    if data.len() as u64 != carried {
-        let at = if (data.len() as u64) < carried { rest } else { data_at };
-        return Expected::fail(at, "as many bytes as the length says");
-    }
-    let can_id = if extended { CanId::extended(id) } else { CanId::standard(id) };
-    let frame = match (error, can_id) {
-        // The id of an error frame is its class; the other columns are ignored.
-        (true, _) if digits > 0 && id <= CanId::MAX_EXTENDED => Frame::error(ErrorClass(id), &data),
-        (false, Some(id)) if digits > 0 && remote => u8::try_from(len).ok().and_then(|len| Frame::remote(id, len)),
-        (false, Some(id)) if digits > 0 && len > 8 => {
-            let record = Record::fd(Timestamp(nanos), ChannelId(0), id, Flags::NONE, &data);
-            return match record {
-                Some(record) => Ok((rest, record)),
-                None => Expected::fail(data_at, "a length that CAN FD has"),
-            };
-        }
-        (false, Some(id)) if digits > 0 => Frame::new(id, &data),
-        _ => return Expected::fail(at, "an id of 11 bits, or of 29 bits where the next column is 1"),
-    };
-    match frame {
-        Some(frame) => Ok((rest, Record::new(Timestamp(nanos), ChannelId(0), frame))),
-        None => Expected::fail(data_at, "at most 8 bytes"),
+    let message = Message { nanos, id, extended, remote, error, length: len, data: &data };
+    match message.record() {
+        _ if digits == 0 => Expected::fail(at, ID),
+        Ok(record) => Ok((rest, record)),
+        Err(Wrong::Id) => Expected::fail(at, ID),
+        Err(Wrong::Missing) => Expected::fail(rest, Wrong::Missing.expected()),
+        Err(wrong) => Expected::fail(data_at, wrong.expected()),
     }
 }
+
+const ID: &str = Wrong::Id.expected();
 
 fn comma(input: &[u8]) -> Parsed<'_, ()> {
     tag(b",", "a comma")(input)

@@ -94,3 +94,10 @@ fn mf4() {
     reads_as_others_do("python-can-deflated.mf4");
     reads_as_others_do("python-can-plain.mf4");
 }
+
+#[test]
+fn sqlite() {
+    reads_as_others_do("python-can.db");
+    reads_as_others_do("python-can-small-pages.db");
+    reads_as_others_do("long-rows.sqlite");
+}

@@ -98,4 +98,7 @@ pub const SAMPLES: &[&str] = &[
     "python-can.mf4",
     "python-can-deflated.mf4",
     "python-can-plain.mf4",
+    "python-can.db",
+    "python-can-small-pages.db",
+    "long-rows.sqlite",
 ];

@@ -3,7 +3,7 @@
 use crate::shown;
 use canvass_traces::{
     CanId, ChannelId, Channels, ChunkCompression, Direction, ErrorClass, Flags, Format, Frame, Loss, Losses, Record,
-    Timestamp, WriteOptions, XlHeader,
+    TimeBase, Timestamp, WriteOptions, XlHeader,
 };
 use proptest::prelude::*;
 use std::io::{self, Write};
@@ -32,6 +32,15 @@ fn channels() -> Channels {
     channels
 }
 
+/// Channels as formats without names number them.
+fn numbered() -> Channels {
+    let mut channels = Channels::new();
+    for name in ["1", "2", "3"] {
+        channels.intern(name);
+    }
+    channels
+}
+
 fn written(format: Format, options: &WriteOptions, records: &[Record]) -> (Vec<u8>, Losses) {
     let sink = Sink::default();
     let mut writer = format.create(Box::new(sink.clone()), options).unwrap();
@@ -43,8 +52,11 @@ fn written(format: Format, options: &WriteOptions, records: &[Record]) -> (Vec<u
     }
     writer.finish().unwrap();
     let losses = writer.losses().clone();
+    let beginning = writer.beginning().map(<[u8]>::to_vec).unwrap_or_default();
+    assert_eq!(beginning.is_empty(), !format.rewrites_beginning());
     drop(writer);
-    let bytes = sink.0.lock().unwrap().clone();
+    let mut bytes = sink.0.lock().unwrap().clone();
+    bytes[..beginning.len()].copy_from_slice(&beginning);
     (bytes, losses)
 }
 
@@ -101,6 +113,71 @@ proptest! {
         let (bytes, losses) = written(Format::Pcapng, &WriteOptions::default(), &records);
         prop_assert!(losses.is_empty());
         prop_assert_eq!(shown::read(&bytes), (expected(&records, |record| Some(record.clone())), vec![]));
+    }
+
+    #[test]
+    fn blf_holds_all_but_names_and_directions_of_errors(mut records in prop::collection::vec(record(), 1..30)) {
+        records.sort_by_key(|record| record.timestamp);
+        let options = WriteOptions { time_base: TimeBase::Local, ..WriteOptions::default() };
+        let (bytes, losses) = written(Format::Blf, &options, &records);
+        let mut numbers = Channels::new();
+        let keeps = |record: &Record| {
+            let direction = match record.direction {
+                _ if record.frame.is_error() => Direction::Unknown,
+                Direction::Unknown => Direction::Rx,
+                known => known,
+            };
+            let mut kept = record.clone().with_direction(direction);
+            if record.frame.is_xl() {
+                return None;
+            }
+            // Channels get their numbers in the order of their first frames.
+            kept.channel = numbers.intern(&format!("{}", record.channel.0));
+            let is_nameless = kept.frame.error_class().is_some_and(|class| class.0 == 0);
+            if is_nameless {
+                kept.frame = Frame::error(ErrorClass(0x80), &[]).unwrap();
+            }
+            Some(kept)
+        };
+        let kept: Vec<Record> = records.iter().filter_map(keeps).collect();
+        let expected: Vec<String> = kept.iter().map(|record| shown::shown(record, &numbered())).collect();
+        prop_assert_eq!(shown::read(&bytes), (expected, vec![]));
+        let lost = |wanted: Loss| losses.iter().find(|(loss, _)| *loss == wanted).map_or(0, |(_, n)| n);
+        prop_assert_eq!(lost(Loss::ChannelName), kept.len() as u64);
+        prop_assert_eq!(lost(Loss::Frame), (records.len() - kept.len()) as u64);
+    }
+
+    #[test]
+    fn mf4_holds_all_but_names_and_details_of_errors(
+        mut records in prop::collection::vec(record(), 1..30),
+        spans in prop::collection::vec(0u64..30_000_000_000_000, 30),
+    ) {
+        // A span of ten days: longer ones do not fit into the digits of seconds in floating point.
+        let mut now = 1_700_000_000_000_000_000;
+        for (record, span) in records.iter_mut().zip(spans) {
+            now += span;
+            record.timestamp = Timestamp(now);
+        }
+        let options = WriteOptions { time_base: TimeBase::Utc, ..WriteOptions::default() };
+        let (bytes, losses) = written(Format::Mf4, &options, &records);
+        let mut numbers = Channels::new();
+        let keeps = |record: &Record| {
+            let direction = if record.direction == Direction::Tx { Direction::Tx } else { Direction::Rx };
+            let mut kept = record.clone().with_direction(direction);
+            if record.frame.is_xl() {
+                return None;
+            }
+            kept.channel = numbers.intern(&format!("{}", record.channel.0));
+            if kept.frame.is_error() {
+                kept.frame = Frame::error(ErrorClass(0x80), &[]).unwrap();
+            }
+            Some(kept)
+        };
+        let kept: Vec<Record> = records.iter().filter_map(keeps).collect();
+        let expected: Vec<String> = kept.iter().map(|record| shown::shown(record, &numbered())).collect();
+        let (found, damages) = shown::read(&bytes);
+        prop_assert_eq!((found, damages), (expected, vec![]));
+        prop_assert!(!losses.iter().any(|(loss, _)| loss == Loss::UnknownDate || loss == Loss::TimeZone));
     }
 
     #[test]

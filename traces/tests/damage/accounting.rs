@@ -36,8 +36,11 @@ fn becomes_another(sample: &Sample, at: usize) -> bool {
 
 /// Whether the damaged byte was a line end: then two lines are joined into one damage.
 fn joins(sample: &Sample, at: usize) -> bool {
-    let text = !matches!(sample.format, Format::Pcap | Format::Pcapng | Format::Mcap | Format::Blf | Format::Mf4);
-    text && sample.bytes[at] == b'\n'
+    let is_binary = matches!(
+        sample.format,
+        Format::Pcap | Format::Pcapng | Format::Mcap | Format::Blf | Format::Mf4 | Format::Sqlite
+    );
+    !is_binary && sample.bytes[at] == b'\n'
 }
 
 fn account(sample: &Sample) -> Vec<String> {

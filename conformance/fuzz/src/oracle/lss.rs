@@ -186,7 +186,10 @@ impl Slave {
         if mode != 0 {
             return (Awaited::Nothing, Effect::Nothing);
         }
+        // A device that restarts by itself also uses its new bit rate, which the bus may not have.
+        let restarts = knowledge.services.lss_restarts != Some(false);
         match self.pending {
+            _ if left && restarts && self.timing_changed => (Awaited::Nothing, Effect::Lost),
             Some(own)
                 if own == node && left && (self.unconfigured || knowledge.services.lss_restarts == Some(true)) =>
             {

@@ -121,7 +121,7 @@ pub(super) fn run(cases: &[&'static Case], faults: &[Fault], models: &[&'static 
 }
 
 /// A random motion from a random position. Each quantity is drawn by its order of magnitude: from a trembling sensor to
-/// the fastest shaft.
+/// the fastest machine.
 fn drawn(model: &'static Model, dice: &mut Dice) -> Moved {
     // No model has more steps.
     let start = (dice.next() >> 20) as i64;
@@ -156,7 +156,7 @@ fn magnitude(dice: &mut Dice, least: f64, most: f64) -> f64 {
     10_f64.powf(least + (most - least) * dice.fraction())
 }
 
-/// The points of a shaft that rests, turns and turns back at random.
+/// The points of a quantity that rests, moves and moves back at random.
 fn wandering(dice: &mut Dice) -> Vec<(f64, f64)> {
     let (mut time, mut place) = (0.0, 0.0);
     let mut points = Vec::new();

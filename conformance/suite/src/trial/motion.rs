@@ -4,7 +4,7 @@ use super::{CaseReport, meanwhile};
 use crate::verdict::{Kind, Lack, Reason, Ruled};
 
 /// The reason to doubt a failure until it comes again: a motion between two readings would explain each of its
-/// breaches. A shaft may rest before and after, and turn during a reset between them.
+/// breaches. The quantity may stay the same before and after a reset, and change during it.
 pub(super) fn doubt(report: &CaseReport) -> Option<Reason> {
     let mut failures = report.verdict.breaches().iter().filter(|ruled| ruled.kind() == Kind::Fail);
     let by_motion = |Ruled { breach, .. }: &Ruled| breach.compares_measurements;

@@ -17,12 +17,16 @@
 //! than the file has. (The header counts neither containers nor type 115.) One damage stays undetected: an object in a
 //! plain container whose type became another known one.
 //!
+//! The writer makes objects of the types 1, 73 and 100, in deflated containers.
+//!
 //! The start of the measurement is in local time; the file does not give the time zone. Channels are numbered from 1;
 //! their names are these numbers.
 
 mod container;
 mod object;
 mod reader;
+mod writer;
 
 pub(in crate::formats) use object::{bus_error, classical, fd};
 pub(crate) use reader::{open, sniff};
+pub(crate) use writer::create;

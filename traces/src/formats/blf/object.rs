@@ -15,24 +15,24 @@ pub(crate) const BASE_HEADER: usize = 16;
 /// Limit of the size of a parsed object; a CAN object has less than a tenth of this size.
 pub(crate) const LARGEST: usize = 64 * 1024;
 
-const CAN_MESSAGE: u32 = 1;
+pub(super) const CAN_MESSAGE: u32 = 1;
 const CAN_ERROR: u32 = 2;
 pub(crate) const LOG_CONTAINER: u32 = 10;
-const CAN_ERROR_EXT: u32 = 73;
+pub(super) const CAN_ERROR_EXT: u32 = 73;
 const CAN_MESSAGE_2: u32 = 86;
-const CAN_FD_MESSAGE: u32 = 100;
+pub(super) const CAN_FD_MESSAGE: u32 = 100;
 const CAN_FD_MESSAGE_64: u32 = 101;
 const CAN_FD_ERROR_64: u32 = 104;
 const DATA_LOST_END: u32 = 126;
 
-const EXTENDED: u32 = 0x8000_0000;
+pub(super) const EXTENDED: u32 = 0x8000_0000;
 /// Flag of CAN and CAN FD messages: the frame was sent.
-const TX: u8 = 0x01;
-const REMOTE: u8 = 0x80;
+pub(super) const TX: u8 = 0x01;
+pub(super) const REMOTE: u8 = 0x80;
 /// CAN FD flag of a CAN FD message: the frame has the CAN FD format.
-const EDL: u8 = 0x01;
-const BRS: u8 = 0x02;
-const ESI: u8 = 0x04;
+pub(super) const EDL: u8 = 0x01;
+pub(super) const BRS: u8 = 0x02;
+pub(super) const ESI: u8 = 0x04;
 /// Flag of a CAN FD message 64: the frame is remote.
 const REMOTE_64: u32 = 0x0010;
 const EDL_64: u32 = 0x1000;

@@ -12,7 +12,7 @@ use nom::multi::count;
 use nom::number::complete::{le_u16, le_u32, le_u64};
 use nom::{IResult, Parser};
 
-const FILE_SIGNATURE: &[u8] = b"LOGG";
+pub(super) const FILE_SIGNATURE: &[u8] = b"LOGG";
 /// Length of the parsed part of the file header.
 const FILE_HEADER: usize = 56;
 /// Limit of the file header's size; Vector's header has 144 bytes.

@@ -29,9 +29,12 @@ mod channel;
 mod conversion;
 mod data;
 mod group;
+mod layout;
 mod reader;
 mod records;
 #[cfg(test)]
 mod tests;
+mod writer;
 
 pub(crate) use reader::{open, sniff};
+pub(crate) use writer::create;

@@ -15,12 +15,12 @@ use std::io::Read;
 /// Limit of the size of a file in bytes: 1 GiB.
 pub(super) const LARGEST: u64 = 1 << 30;
 
-const FINISHED: &[u8] = b"MDF     ";
-const UNFINISHED: &[u8] = b"UnFinMF ";
+pub(super) const FINISHED: &[u8] = b"MDF     ";
+pub(super) const UNFINISHED: &[u8] = b"UnFinMF ";
 /// The offset of the block HD.
-const HEADER: u64 = 64;
+pub(super) const HEADER: u64 = 64;
 /// Flag of the start of the measurement: local time of an unknown zone.
-const LOCAL: u8 = 0x01;
+pub(super) const LOCAL: u8 = 0x01;
 
 pub(crate) fn sniff(head: &[u8]) -> bool {
     // MDF 3 has the same first bytes; its files have no frames of a bus.

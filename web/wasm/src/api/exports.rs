@@ -41,8 +41,7 @@ impl Page {
 
     /// The formats of captures, as JSON.
     pub fn formats() -> String {
-        let told =
-            |format: Format| json!({ "id": format.id(), "name": format.summary(), "written": format.is_written() });
+        let told = |format: Format| json!({ "id": format.id(), "name": format.summary(), "written": format.is_written() && !format.rewrites_beginning() });
         Value::from(Format::all().map(told).collect::<Vec<_>>()).to_string()
     }
 }

@@ -76,8 +76,9 @@ pub(super) fn back_to_own(bench: &mut Bench<'_>) -> Result<(), Stop> {
 pub(super) fn restore(bench: &mut Bench<'_>, stored: bool) -> Result<(), Stop> {
     let own = bench.node().raw();
     let rate = bench.bit_rate().and_then(Lss::bit_rate_index);
-    // A device may be delivered without bit rate, a state that no command restores.
-    let keeps_bit_rate = bench.keeps_bit_rate();
+    // A device may be delivered without bit rate, a state that no command restores. Without a store the bit rate is only
+    // pending: some devices restart with it at the end of configuration.
+    let keeps_bit_rate = stored && bench.keeps_bit_rate();
     configure(bench)?;
     set_node_id(bench, own)?;
     if let Some(index) = rate.filter(|_| !keeps_bit_rate) {
