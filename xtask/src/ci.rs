@@ -46,7 +46,7 @@ struct CiStep {
 const FORMAT: CiStep = CiStep { name: "format", alone: "cargo fmt --all --check", run: format };
 const ALL_TESTS: &str = "cargo nextest run --workspace --locked";
 
-const STEPS: [CiStep; 16] = [
+const STEPS: [CiStep; 15] = [
     FORMAT,
     CiStep { name: "tests", alone: ALL_TESTS, run: tests },
     CiStep { name: "examples in the documentation", alone: "cargo test --workspace --locked --doc", run: doc_tests },
@@ -58,11 +58,10 @@ const STEPS: [CiStep; 16] = [
     CiStep { name: "peers and browser", alone: "cargo xtask peers; cargo xtask browser", run: peers_and_browser },
     CiStep { name: "attack", alone: "cargo xtask attack --for 45s", run: attacked },
     CiStep { name: "page as WebAssembly", alone: "cargo xtask web-test", run: page },
-    CiStep { name: "fleets", alone: "cargo xtask fleet --check", run: fleet::checked },
     CiStep { name: "real SocketCAN", alone: "cargo xtask vcan --without-nightly", run: vcan::by_day },
     CiStep {
         name: "self-test",
-        alone: "cargo run --release -- selftest; the same with --null, with --alone, and with --fuzz",
+        alone: "cargo run --release -- selftest; the same with --null, with --alone --count 20, and with --fuzz --seeds 2",
         run: self_test,
     },
     CiStep { name: "Windows", alone: "cargo xtask windows --check", run: windows::step },
@@ -70,8 +69,14 @@ const STEPS: [CiStep; 16] = [
 ];
 
 /// Steps that take long and find little; they run nightly.
-const NIGHTLY: [CiStep; 8] = [
+const NIGHTLY: [CiStep; 10] = [
     CiStep { name: "fleets", alone: "cargo xtask fleet", run: fleet::test },
+    CiStep {
+        name: "self-test",
+        alone: "cargo run --release -- selftest --alone; the same with --fuzz",
+        run: self_test_at_night,
+    },
+    CiStep { name: "self-test of the wire", alone: "cargo run --release -- selftest --wire", run: wire },
     CiStep { name: "real SocketCAN", alone: "cargo xtask vcan", run: on_vcan },
     CiStep { name: "Windows, by Wine", alone: "cargo xtask windows", run: windows::test },
     CiStep { name: "fuzz targets", alone: "cargo xtask fuzz", run: || fuzz(FUZZ_AT_NIGHT) },
@@ -253,16 +258,27 @@ fn attacked_long() -> Result<()> {
     attack::attack(&["--for".to_owned(), "10m".to_owned()])
 }
 
-/// Runs the whole selftest: all cases and properties against all faults and liberties, and the fuzzer against all
-/// faults. The tests run only a part of the selftest.
+/// Runs the selftest: all cases and properties against all faults and liberties, and the fuzzer against all faults. The
+/// tests run only a part of the selftest.
 fn self_test() -> Result<()> {
-    // The program that was built for the tests: it checks its arithmetic.
+    by_selftest(&[&[], &["--null"], &["--alone", "--count", "20"], &["--fuzz", "--seeds", "2"]])
+}
+
+/// Runs the parts of the selftest of which CI runs a sample.
+fn self_test_at_night() -> Result<()> {
+    run("cargo", &["build", "--locked", "--bin", "canvass"])?;
+    by_selftest(&[&["--alone"], &["--fuzz"]])
+}
+
+fn wire() -> Result<()> {
+    run("cargo", &["build", "--locked", "--bin", "canvass"])?;
+    by_selftest(&[&["--wire"]])
+}
+
+/// Runs the selftest with each of these options, by the program that was built for the tests: it checks its arithmetic.
+fn by_selftest(options: &[&[&str]]) -> Result<()> {
     let program = built();
-    let program = program.to_string_lossy();
-    run(&program, &["selftest"])?;
-    run(&program, &["selftest", "--null"])?;
-    run(&program, &["selftest", "--alone"])?;
-    run(&program, &["selftest", "--fuzz"])
+    options.iter().try_for_each(|options| run(&program.to_string_lossy(), &[&["selftest"], *options].concat()))
 }
 
 /// Installs a component of the toolchain, if a minimal toolchain lacks it.

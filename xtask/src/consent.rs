@@ -19,7 +19,7 @@ fn is_given() -> bool {
 }
 
 /// The arguments that pass the permission on to another xtask.
-#[cfg(not(feature = "web"))]
+#[cfg(not(all(feature = "bind", feature = "web")))]
 pub fn words() -> &'static [&'static str] {
     if GIVEN.load(Ordering::Relaxed) { &[OPTION] } else { &[] }
 }

@@ -100,19 +100,7 @@ const FORMATS: &[FormatEntry] = &[
         extensions: &["blf"],
         sniff: blf::sniff,
         open: blf::open,
-        writing: Some(Writing {
-            create: blf::create,
-            losses: &[
-                Loss::Frame,
-                Loss::ChannelName,
-                Loss::Direction,
-                Loss::TimeResolution,
-                Loss::TimeZone,
-                Loss::ErrorDetail,
-                Loss::Comment,
-            ],
-            rewrites_beginning: true,
-        }),
+        writing: WRITING_BLF,
     },
     FormatEntry {
         format: Format::Mf4,
@@ -121,19 +109,7 @@ const FORMATS: &[FormatEntry] = &[
         extensions: &["mf4"],
         sniff: mf4::sniff,
         open: mf4::open,
-        writing: Some(Writing {
-            create: mf4::create,
-            losses: &[
-                Loss::Frame,
-                Loss::ChannelName,
-                Loss::Direction,
-                Loss::TimeResolution,
-                Loss::UnknownDate,
-                Loss::ErrorDetail,
-                Loss::Comment,
-            ],
-            rewrites_beginning: true,
-        }),
+        writing: WRITING_MF4,
     },
     FormatEntry {
         format: Format::Sqlite,
@@ -233,6 +209,42 @@ const FORMATS: &[FormatEntry] = &[
         writing: None,
     },
 ];
+
+#[cfg(not(target_family = "wasm"))]
+const WRITING_BLF: Option<Writing> = Some(Writing {
+    create: blf::create,
+    losses: &[
+        Loss::Frame,
+        Loss::ChannelName,
+        Loss::Direction,
+        Loss::TimeResolution,
+        Loss::TimeZone,
+        Loss::ErrorDetail,
+        Loss::Comment,
+    ],
+    rewrites_beginning: true,
+});
+
+#[cfg(not(target_family = "wasm"))]
+const WRITING_MF4: Option<Writing> = Some(Writing {
+    create: mf4::create,
+    losses: &[
+        Loss::Frame,
+        Loss::ChannelName,
+        Loss::Direction,
+        Loss::TimeResolution,
+        Loss::UnknownDate,
+        Loss::ErrorDetail,
+        Loss::Comment,
+    ],
+    rewrites_beginning: true,
+});
+
+/// A browser gives no file whose beginning could be written again.
+#[cfg(target_family = "wasm")]
+const WRITING_BLF: Option<Writing> = None;
+#[cfg(target_family = "wasm")]
+const WRITING_MF4: Option<Writing> = None;
 
 /// The losses of the text formats of tools on Windows: Vector ASC and PEAK TRC.
 const OF_TEXT_OF_WINDOWS: &[Loss] =

@@ -112,7 +112,7 @@ impl Form {
             }
             ("convert", id) => {
                 let compression = if wish.gzip { Compression::Gzip } else { Compression::None };
-                let format = Format::by_id(id).filter(|format| format.is_written() && !format.rewrites_beginning())?;
+                let format = Format::by_id(id).filter(|format| format.is_written())?;
                 Self::Convert { format, compression, recording: None, written: Written::default() }
             }
             _ => return None,

@@ -101,7 +101,7 @@ fn releases() -> Result<Vec<String>> {
 /// Takes pictures of the views of the page with the decoder as WebAssembly, by an xtask that can drive a browser.
 #[cfg(not(feature = "web"))]
 fn views() -> Result<()> {
-    crate::web::by_another(&["screenshot", "views"])
+    crate::web::by_another("web", &["screenshot", "views"])
 }
 
 /// Runs canvass, which may end with findings.

@@ -1,10 +1,10 @@
 //! JavaScript for WebAssembly, by the library of wasm-bindgen, so that no program of the matching version has to be
-//! installed. The library takes long to build, so that it is compiled only with the feature `web`.
+//! installed. The library takes long to build, so that it is compiled only with the feature `bind`.
 
 use anyhow::Result;
 
 /// Writes the module, its JavaScript and the compressed module into a folder.
-#[cfg(feature = "web")]
+#[cfg(feature = "bind")]
 pub fn bind(wasm: &str, folder: &str) -> Result<()> {
     let mut bindgen = wasm_bindgen_cli_support::Bindgen::new();
     bindgen
@@ -21,7 +21,7 @@ pub fn bind(wasm: &str, folder: &str) -> Result<()> {
 }
 
 /// Compresses the module by gzip, with libdeflate: zlib's best level gives a file that is a twentieth larger.
-#[cfg(feature = "web")]
+#[cfg(feature = "bind")]
 fn pack(module: &[u8]) -> Result<Vec<u8>> {
     let mut compressor = libdeflater::Compressor::new(libdeflater::CompressionLvl::best());
     let mut packed = vec![0; compressor.gzip_compress_bound(module.len())];
@@ -30,8 +30,8 @@ fn pack(module: &[u8]) -> Result<Vec<u8>> {
     Ok(packed)
 }
 
-/// Makes the bindings with an xtask that has the feature `web`.
-#[cfg(not(feature = "web"))]
+/// Makes the bindings with an xtask that has the feature `bind`.
+#[cfg(not(feature = "bind"))]
 pub fn bind(wasm: &str, folder: &str) -> Result<()> {
-    super::by_another(&["web-bind", wasm, folder])
+    super::by_another("bind", &["web-bind", wasm, folder])
 }

@@ -50,7 +50,7 @@ pub fn prepare() -> Result<()> {
     install()
 }
 
-/// Makes the JavaScript for the WebAssembly; [`build`] calls it in an xtask with the feature `web`.
+/// Makes the JavaScript for the WebAssembly; [`build`] calls it in an xtask with the feature `bind`.
 ///
 /// # Errors
 /// If the words are not a module and a folder, or the JavaScript can't be made.
@@ -67,16 +67,16 @@ pub fn bind(words: &[String]) -> Result<()> {
 /// If an xtask that can drive a browser can't be built, or its command fails.
 #[cfg(not(feature = "web"))]
 pub fn bench() -> Result<()> {
-    by_another(&["web-bench"])
+    by_another("web", &["web-bench"])
 }
 
-/// Runs a command by an xtask with the feature `web`, so that other commands need not wait for its build.
+/// Runs a command by an xtask with this feature, so that other commands need not wait for its build.
 ///
 /// # Errors
 /// If that xtask can't be built, or the command fails.
-#[cfg(not(feature = "web"))]
-pub fn by_another(words: &[&str]) -> Result<()> {
-    let xtask = ["run", "--quiet", "--package", "xtask", "--features", "web", "--locked", "--"];
+#[cfg(not(all(feature = "bind", feature = "web")))]
+pub fn by_another(feature: &str, words: &[&str]) -> Result<()> {
+    let xtask = ["run", "--quiet", "--package", "xtask", "--features", feature, "--locked", "--"];
     run("cargo", &[&xtask[..], consent::words(), words].concat())
 }
 

@@ -25,8 +25,10 @@
 mod container;
 mod object;
 mod reader;
+#[cfg(not(target_family = "wasm"))]
 mod writer;
 
 pub(in crate::formats) use object::{bus_error, classical, fd};
 pub(crate) use reader::{open, sniff};
+#[cfg(not(target_family = "wasm"))]
 pub(crate) use writer::create;

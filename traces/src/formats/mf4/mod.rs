@@ -29,12 +29,15 @@ mod channel;
 mod conversion;
 mod data;
 mod group;
+#[cfg(not(target_family = "wasm"))]
 mod layout;
 mod reader;
 mod records;
 #[cfg(test)]
 mod tests;
+#[cfg(not(target_family = "wasm"))]
 mod writer;
 
 pub(crate) use reader::{open, sniff};
+#[cfg(not(target_family = "wasm"))]
 pub(crate) use writer::create;

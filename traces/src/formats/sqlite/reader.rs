@@ -53,6 +53,9 @@ struct Table {
     places: Places,
 }
 
+/// The offset of a page, and the message of a row with the number of the row.
+type Found = (u64, Result<(u64, Record), Flaw>);
+
 impl Table {
     fn find(file: Vec<u8>) -> Result<Self, Flaw> {
         let pages = Pages::new(file)?;
@@ -74,7 +77,7 @@ impl Table {
     }
 
     /// The next message with the number of its row, and the offset of its page.
-    fn next(&mut self) -> Option<(u64, Result<(u64, Record), Flaw>)> {
+    fn next(&mut self) -> Option<Found> {
         let offset = self.pages.offset(self.walk.page());
         let row = self.walk.next(&self.pages)?;
         let offset = if row.is_ok() { self.pages.offset(self.walk.page()) } else { offset };

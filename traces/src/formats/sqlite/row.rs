@@ -64,7 +64,7 @@ fn value(kind: u64, bytes: &[u8]) -> Option<(Value<'_>, &[u8])> {
         10 | 11 => None,
         _ => {
             let (value, rest) = bytes.split_at_checked(usize::try_from((kind - 12) / 2).ok()?)?;
-            Some((if kind % 2 == 0 { Value::Blob(value) } else { Value::Text(value) }, rest))
+            Some((if kind.is_multiple_of(2) { Value::Blob(value) } else { Value::Text(value) }, rest))
         }
     }
 }

@@ -41,7 +41,8 @@ impl Page {
 
     /// The formats of captures, as JSON.
     pub fn formats() -> String {
-        let told = |format: Format| json!({ "id": format.id(), "name": format.summary(), "written": format.is_written() && !format.rewrites_beginning() });
+        let told =
+            |format: Format| json!({ "id": format.id(), "name": format.summary(), "written": format.is_written() });
         Value::from(Format::all().map(told).collect::<Vec<_>>()).to_string()
     }
 }
