@@ -62,9 +62,10 @@ const TABLE: &[Kept] = &[
     },
     Kept {
         format: Format::Blf,
-        lost: &[Loss::Frame, Loss::ChannelName, Loss::Direction, Loss::TimeZone],
-        lost_elsewhere: &[Loss::TimeResolution, Loss::ErrorDetail, Loss::Comment],
+        lost: &[Loss::Frame, Loss::ChannelName, Loss::Direction, Loss::TimeZone, Loss::ErrorDetail],
+        lost_elsewhere: &[Loss::TimeResolution, Loss::Comment],
         row: |row, numbers| {
+            let row = if row.is_error && row.id == 0 { no_error_detail(row) } else { row };
             let mut row = numbered(no_xl(row)?, numbers);
             row.direction = match row.direction {
                 _ if row.is_error => Direction::Unknown,
