@@ -22,8 +22,9 @@ use std::fmt::Write;
 /// Explain a case, a situation, a fault, a liberty, a rule, a property, a model, a capture format or a code in full
 #[derive(clap::Args)]
 pub struct Args {
-    /// The id, as `canvass list` shows it; an error code of EMCY (8140h); or an SDO abort code ("0604 0041h")
-    id: String,
+    /// The id, as `canvass list` shows it; an error code of EMCY (8140h); or an SDO abort code (0604 0041h)
+    #[arg(required = true)]
+    id: Vec<String>,
     /// Device profile of the node with the error code, such as 402
     #[arg(long, value_name = "NUMBER")]
     profile: Option<u16>,
@@ -31,7 +32,8 @@ pub struct Args {
 
 impl Args {
     pub fn run(self) -> Result<Status, Failure> {
-        let id = &*self.id;
+        // An abort code is usually written as two words.
+        let id = &*self.id.join(" ");
         let text = catalogue::find(id)
             .map(case)
             .or_else(|| id.parse().ok().map(fault))

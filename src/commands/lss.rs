@@ -2,17 +2,15 @@
 
 mod lmt;
 
-use crate::live::{ClientArg, Live, parse_span};
-use crate::output::{TextOrJson, diagnostic, print};
+use super::layer_setting::{Master, OnBus, PATIENCE, Rest, Wish, parse_bit_rate};
+use crate::output::{diagnostic, print};
 use crate::status::{Failure, Status};
 use anyhow::{Context, Result, anyhow};
-use canvass_analyzer::wire::layer_setting::Dialect;
-use canvass_analyzer::wire::lss::{ConfigureCommand, Lss, MASTER_CAN_ID, Part, Request, Response, SLAVE_CAN_ID};
-use canvass_analyzer::{NodeId, wire::Wire};
-use canvass_bus::client::Exchange;
+use canvass_analyzer::NodeId;
+use canvass_analyzer::wire::lss::{ConfigureCommand, Lss, Part, Request, Response};
 use canvass_bus::client::lss::{LssAddress, ScanStep};
 use canvass_reports::escape::Printable;
-use canvass_traces::{Duration, Record, Timestamp};
+use canvass_traces::Duration;
 use serde_json::json;
 use std::collections::BTreeMap;
 use std::str::FromStr;
@@ -36,7 +34,8 @@ enum Action {
     /// Give a device a node-ID, a bit rate, or both
     ///
     /// Devices that have LMT (CiA DS-205) in place of LSS understand the same commands, but their table of bit rates
-    /// differs. On a bus with such a device --bit-rate is refused, unless --address names a device that has LSS.
+    /// differs: canvass lmt configures them. On a bus with such a device --bit-rate is refused, unless --address names
+    /// a device that has LSS.
     Configure {
         #[command(flatten)]
         bus: OnBus,
@@ -46,15 +45,10 @@ enum Action {
         #[arg(long, value_name = "NODE|none", value_parser = parse_node_id)]
         node_id: Option<u8>,
         /// The bit rate, such as 250k; it takes effect when it is activated
-        #[arg(long, value_name = "RATE", value_parser = parse_bit_rate)]
+        #[arg(long, value_name = "RATE", value_parser = parse_bit_rate::<Lss>)]
         bit_rate: Option<u8>,
-        /// Store both in non-volatile memory
-        #[arg(long)]
-        store: bool,
-        /// Make all devices change to the bit rate that was set for them, with a pause of this length before and after
-        /// the change, such as 100ms
-        #[arg(long, value_name = "SPAN", value_parser = parse_delay)]
-        activate: Option<u16>,
+        #[command(flatten)]
+        rest: Rest,
     },
     /// Find a device without node-ID by Fastscan
     Fastscan {
@@ -68,24 +62,6 @@ enum Action {
         #[arg(long, requires = "assign")]
         store: bool,
     },
-}
-
-#[derive(clap::Args)]
-struct OnBus {
-    /// The bus: can0, slcan:PORT[@BITRATE], pcan:CHANNEL@BITRATE or sim:MODEL[@BITRATE][+FAULT...]
-    bus: String,
-    /// How long to wait for each answer, such as 100ms. Fastscan waits up to 68 times for each device, "store" waits
-    /// at least 10 s
-    #[arg(long, value_name = "SPAN", value_parser = parse_span)]
-    timeout: Option<Duration>,
-    /// How to print the result
-    #[arg(long, value_enum, default_value_t)]
-    format: TextOrJson,
-    /// Same as --format json (former name)
-    #[arg(long, hide = true)]
-    json: bool,
-    #[command(flatten)]
-    client: ClientArg,
 }
 
 #[derive(clap::Args)]
@@ -118,26 +94,8 @@ fn parse_node_id(text: &str) -> Result<u8> {
     if text == "none" { Ok(NO_NODE_ID) } else { crate::devices::parse_node(text).map(NodeId::raw) }
 }
 
-/// Parses a bit rate into its index in table 0 of CiA 305.
-fn parse_bit_rate(text: &str) -> Result<u8> {
-    let number = |digits: &str, factor: u32| digits.parse::<u32>().ok()?.checked_mul(factor);
-    let rate = match text.char_indices().last() {
-        Some((at, 'k' | 'K')) => number(&text[..at], 1_000),
-        Some((at, 'M')) => number(&text[..at], 1_000_000),
-        _ => number(text, 1),
-    };
-    rate.and_then(Lss::bit_rate_index).with_context(|| {
-        let known: Vec<_> = (0..=u8::MAX).filter_map(Lss::bit_rate).map(|rate| format!("{}k", rate / 1000)).collect();
-        format!("expected one of {}, found \"{text}\"", known.join(", "))
-    })
-}
-
 /// The value of the node-ID that means "not configured".
 const NO_NODE_ID: u8 = 255;
-/// Default timeout for an answer.
-const PATIENCE: Duration = Duration::from_millis(1_000);
-/// Timeout for "store": the slave erases and writes its memory before it answers.
-const STORE_PATIENCE: Duration = Duration::from_millis(10_000);
 /// Default timeout for a Fastscan request: silence is one of its two answers, so most requests wait that long.
 const SCAN_PATIENCE: Duration = Duration::from_millis(30);
 const WAITING: Request = Request::SwitchGlobal { mode: 0 };
@@ -147,11 +105,9 @@ impl Args {
     pub fn run(self) -> Result<Status, Failure> {
         match self.action {
             Action::Inquire { bus, which } => bus.run(PATIENCE, |master| master.inquire(&which)),
-            Action::Configure { bus, which, node_id, bit_rate, store, activate } => {
-                if node_id.is_none() && bit_rate.is_none() && !store && activate.is_none() {
-                    return Err(anyhow!("nothing to do: use --node-id, --bit-rate, --store or --activate").into());
-                }
-                let wish = Wish { node_id, bit_rate, store, activate };
+            Action::Configure { bus, which, node_id, bit_rate, rest } => {
+                let wish = Wish { node_id, bit_rate, rest };
+                wish.expect_something()?;
                 bus.run(PATIENCE, |master| master.configure(&which, wish))
             }
             Action::Fastscan { bus, assign, store } => bus.run(SCAN_PATIENCE, |master| master.fastscan(assign, store)),
@@ -159,67 +115,7 @@ impl Args {
     }
 }
 
-#[derive(Clone, Copy)]
-struct Wish {
-    node_id: Option<u8>,
-    bit_rate: Option<u8>,
-    store: bool,
-    activate: Option<u16>,
-}
-
-/// Parses the delay of "activate bit timing": whole milliseconds in 16 bits.
-fn parse_delay(text: &str) -> Result<u16> {
-    let millis = parse_span(text)?.nanos() / 1_000_000;
-    u16::try_from(millis)
-        .ok()
-        .filter(|millis| *millis > 0)
-        .ok_or_else(|| anyhow!("expected 1ms to 65s, found \"{text}\""))
-}
-
-impl OnBus {
-    fn run(
-        &self,
-        patience: Duration,
-        act: impl FnOnce(&mut Master<'_>) -> Result<Status, Failure>,
-    ) -> Result<Status, Failure> {
-        let mut live = Live::open(&self.bus, None, &[], self.client)?;
-        let wanted = [(MASTER_CAN_ID, 0x7FF), (SLAVE_CAN_ID, 0x7FF)];
-        live.bus.only(&wanted).map_err(Failure::unreachable)?;
-        let patience = self.timeout.unwrap_or(patience);
-        let mut observe = |_: &Record| {};
-        let exchange = Exchange { bus: live.bus.as_mut(), observe: &mut observe, ends: Timestamp::MAX };
-        let mut master = Master { exchange, patience, json: self.json || matches!(self.format, TextOrJson::Json) };
-        let acted = act(&mut master);
-        // No device may stay in configuration, even after an error.
-        let left = master.tell(&WAITING);
-        let status = acted?;
-        left?;
-        live.report_health();
-        Ok(status)
-    }
-}
-
-struct Master<'a> {
-    exchange: Exchange<'a>,
-    patience: Duration,
-    json: bool,
-}
-
 impl Master<'_> {
-    fn ask(&mut self, request: &Request) -> Result<Response, Failure> {
-        let usual = if *request == Request::StoreConfiguration { STORE_PATIENCE } else { PATIENCE };
-        let response = self.exchange.ask(request, self.patience.max(usual)).map_err(Failure::unreachable)?;
-        response.ok_or_else(|| Failure::unreachable(anyhow!("no device answers to \"{request}\"")))
-    }
-
-    /// Sends a request that slaves do not answer.
-    fn tell(&mut self, request: &Request) -> Result<(), Failure> {
-        self.exchange.bus.send(&request.to_frame(MASTER_CAN_ID)).map_err(Failure::unreachable)?;
-        // A slave needs time to process this request before it can take the next.
-        self.exchange.wait_for(Duration::from_millis(5), |_| None::<()>).map_err(Failure::unreachable)?;
-        Ok(())
-    }
-
     /// Switches the device to the configuration state.
     fn select(&mut self, which: &Which) -> Result<(), Failure> {
         let Some(Address(address)) = which.address else { return self.tell(&CONFIGURATION) };
@@ -266,37 +162,7 @@ impl Master<'_> {
         if let (Some(index), None) = (wish.bit_rate, &which.address) {
             self.refuse_lmt(index)?;
         }
-        if let Some(node_id) = wish.node_id {
-            self.configured(ConfigureCommand::NodeId, &Request::ConfigureNodeId { node_id })?;
-        }
-        if let Some(index) = wish.bit_rate {
-            self.configured(ConfigureCommand::BitTiming, &Request::ConfigureBitTiming { table: 0, index })?;
-        }
-        if wish.store {
-            self.configured(ConfigureCommand::Store, &Request::StoreConfiguration)?;
-        }
-        if let Some(delay) = wish.activate {
-            self.tell(&Request::ActivateBitTiming { delay })?;
-            diagnostic(&format!(
-                "canvass: all devices change their bit rate in {delay} ms: change that of this interface too"
-            ));
-        }
-        Ok(Status::Good)
-    }
-
-    /// Sends a configuration command; every answer but success is an error.
-    fn configured(&mut self, command: ConfigureCommand, request: &Request) -> Result<(), Failure> {
-        let response = self.ask(request)?;
-        let Response::Configured { command: found, error: 0, .. } = response else {
-            return Err(anyhow!("{request}: the device answers \"{response}\"").into());
-        };
-        if found != command {
-            return Err(anyhow!("{request}: the device answers \"{response}\"").into());
-        }
-        if !self.json {
-            print(&Printable::document(&format!("{response}\n")))?;
-        }
-        Ok(())
+        self.carry_out::<Lss>(&wish)
     }
 
     fn fastscan(&mut self, assign: Option<NodeId>, store: bool) -> Result<Status, Failure> {
@@ -376,8 +242,8 @@ mod tests {
         let address: Address = "0x13:2:0xFFFFFFFF:0".parse().unwrap();
         assert_eq!(address.0, [0x13, 2, u32::MAX, 0]);
         assert!("1:2:3".parse::<Address>().is_err() && "1:2:3:x".parse::<Address>().is_err());
-        assert_eq!(parse_bit_rate("250k").unwrap(), 3);
-        assert_eq!(parse_bit_rate("1M").unwrap(), 0);
-        assert!(parse_bit_rate("300k").is_err() && parse_bit_rate("").is_err());
+        assert_eq!(parse_bit_rate::<Lss>("250k").unwrap(), 3);
+        assert_eq!(parse_bit_rate::<Lss>("1M").unwrap(), 0);
+        assert!(parse_bit_rate::<Lss>("300k").is_err() && parse_bit_rate::<Lss>("").is_err());
     }
 }

@@ -192,6 +192,28 @@ fn a_device_with_lmt_is_given_no_bit_rate_of_lss() {
     }
 }
 
+/// The master of LMT reads names and serial number, and sets node-ID and bit rate by the table of LMT, in which row 5 is
+/// 50 kbit/s.
+#[test]
+fn lmt_asks_identifies_and_configures() {
+    const LMT: &str = "sim:tr-lmp30";
+    let inquired = json(&run(&["lmt", "inquire", LMT, "--format", "json"]));
+    assert_eq!((&inquired["product_name"], &inquired["serial_number"]), (&"LMP30".into(), &"32200044002100".into()));
+    let names = ["lmt", "identify", LMT, "--manufacturer", "TR-ELEC", "--product", "LMP30"];
+    assert_eq!(run(&names).status, 0);
+    assert_eq!(run(&[&names[..], &["--serial", "32200044002101..32200044002200"]].concat()).status, 3);
+    let device = Device::of("tr-lmp30", &[]);
+    let proxy = Proxy::start(device.bus.strip_prefix("slcan:tcp://").unwrap().parse().unwrap()).unwrap();
+    let configured = run(&["lmt", "configure", &proxy.bus(), "--node-id", "5", "--bit-rate", "50k"]);
+    assert_eq!(configured.status, 0, "{}", configured.stderr);
+    assert!(configured.stdout.contains("configure bit timing: successful"), "{}", configured.stdout);
+    let sent = proxy.frames("t7E58");
+    assert!(sent.contains(&"1105000000000000".to_owned()) && sent.contains(&"1300050000000000".to_owned()), "{sent:?}");
+    let other = run(&["lmt", "configure", LMT, "--address", "TR-ELEC:LMP30:1", "--node-id", "5"]);
+    assert_eq!((other.status, &*other.stdout), (3, ""), "{}", other.stderr);
+    assert_eq!(run(&["lmt", "configure", ENCODER, "--bit-rate", "50k"]).status, 3, "it has LSS");
+}
+
 /// A device with LMT gets no request that changes its settings, and is left in operation mode.
 #[test]
 fn what_a_device_with_lmt_is_sent_changes_nothing() {

@@ -11,7 +11,7 @@ use std::fmt;
 /// assert_eq!(by_extension("pcapng"), Some(Format::Pcapng));
 /// assert_eq!(Format::Pcapng.to_string(), "pcapng");
 /// let only_read: Vec<_> = Format::all().filter(|format| !format.is_written()).collect();
-/// assert_eq!(only_read, [Format::Sqlite, Format::MiniMon, Format::Crtd, Format::CandumpConsole, Format::Pasted]);
+/// assert_eq!(only_read, [Format::Sqlite, Format::MiniMon, Format::Crtd, Format::WiresharkText, Format::CandumpConsole, Format::Pasted]);
 /// ```
 #[derive(Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Debug)]
 pub enum Format {
@@ -39,6 +39,8 @@ pub enum Format {
     PythonCanCsv,
     /// python-can's SQLite database.
     Sqlite,
+    /// The text of Wireshark and tshark.
+    WiresharkText,
     /// The log of the Open Vehicle Monitoring System.
     Crtd,
     /// Lines of frames in no known format. It stays the last one.

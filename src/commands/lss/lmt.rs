@@ -1,7 +1,7 @@
 //! Devices that have LMT (CiA DS-205) in place of LSS. Both protocols share the CAN-IDs and most commands, but their
 //! tables of bit rates differ.
 
-use super::{Master, PATIENCE};
+use crate::commands::layer_setting::{Master, PATIENCE};
 use crate::status::Failure;
 use anyhow::anyhow;
 use canvass_analyzer::wire::layer_setting::Dialect;
@@ -41,7 +41,7 @@ impl Master<'_> {
         }
         match self.find_lmt_slave()? {
             Some(slave) => Err(Failure::unreachable(anyhow!(
-                "no device answers to LSS, but a device answers to LMT (CiA DS-205): {slave}"
+                "no device answers to LSS, but a device answers to LMT (CiA DS-205): {slave}; use canvass lmt"
             ))),
             None => Ok(()),
         }
@@ -55,7 +55,7 @@ impl Master<'_> {
         let (wanted, meant) = (rate(Lss::bit_rate(index)), rate(Lmt::bit_rate(index)));
         Err(anyhow!(
             "a device speaks LMT (CiA DS-205), not LSS: {slave}; its table of bit rates differs: row {index} means \
-             {wanted} in LSS and {meant} in LMT; nothing was configured"
+             {wanted} in LSS and {meant} in LMT; nothing was configured: use canvass lmt configure"
         )
         .into())
     }

@@ -22,6 +22,7 @@ pub(crate) mod trc;
 mod trc_numbers;
 mod trc_row;
 mod trc_writer;
+pub(crate) mod wireshark_text;
 
 use crate::{Format, Loss, ReadOptions, Reader, Source, WriteError, WriteOptions, Writer};
 use std::io::Write;
@@ -176,6 +177,15 @@ const FORMATS: &[FormatEntry] = &[
         sniff: asc::sniff,
         open: asc::open,
         writing: Some(Writing { create: asc::create, losses: OF_TEXT_OF_WINDOWS, rewrites_beginning: false }),
+    },
+    FormatEntry {
+        format: Format::WiresharkText,
+        id: "wireshark-text",
+        summary: "text of Wireshark and tshark with the bytes of packets",
+        extensions: &["txt"],
+        sniff: wireshark_text::sniff,
+        open: wireshark_text::open,
+        writing: None,
     },
     FormatEntry {
         format: Format::Candump,

@@ -2,8 +2,8 @@
 
 use crate::shown;
 use canvass_traces::{
-    CanId, ChannelId, Channels, ChunkCompression, Direction, ErrorClass, Flags, Format, Frame, Loss, Losses, Record,
-    TimeBase, Timestamp, WriteOptions, XlHeader,
+    CanId, ChannelId, Channels, ChunkCompression, DamageKind, Direction, ErrorClass, Flags, Format, Frame, Loss,
+    Losses, Record, TimeBase, Timestamp, WriteOptions, XlHeader,
 };
 use proptest::prelude::*;
 use std::io::{self, Write};
@@ -264,4 +264,30 @@ fn mcap_that_is_written_live_holds_nothing_back() {
     writer.finish().unwrap();
     // The end of the file repeats the schemas and channels.
     assert!(size() < sizes[998] + 4_000);
+}
+
+/// A file of which the recorder was killed has its frames with their dates, and says that it is not finished.
+#[test]
+fn what_was_never_finished_is_read_with_its_dates() {
+    let record = |n: u64| {
+        let frame = Frame::new(CanId::standard(0x181).unwrap(), &[n as u8]).unwrap();
+        Record::new(Timestamp(1_700_000_000_123_000_000 + n), ChannelId(0), frame).with_direction(Direction::Rx)
+    };
+    for format in [Format::Blf, Format::Mf4] {
+        let sink = Sink::default();
+        let options = WriteOptions { time_base: TimeBase::Local, ..WriteOptions::default() };
+        let mut writer = format.create(Box::new(sink.clone()), &options).unwrap();
+        writer.flush().unwrap();
+        for n in 0..50 {
+            writer.write(&record(n), &channels()).unwrap();
+        }
+        writer.flush().unwrap();
+        drop(writer);
+        let bytes = sink.0.lock().unwrap().clone();
+        let (frames, damages) = shown::read(&bytes);
+        let expected: Vec<String> = (0..50).map(|n| shown::shown(&record(n), &numbered())).collect();
+        assert_eq!(frames, expected, "{format}");
+        let kinds: Vec<_> = damages.iter().map(|damage| damage.kind).collect();
+        assert_eq!(kinds, [DamageKind::Unfinished], "{format}");
+    }
 }

@@ -123,3 +123,32 @@ proptest! {
         }
     }
 }
+
+/// Wireshark's text has the frames of the capture that it shows: from the details of packets with their dates, and from
+/// rows, with times since the first packet.
+#[test]
+fn the_text_of_wireshark_has_the_frames_of_the_capture() {
+    for (text, capture) in [("wireshark-details.txt", "two-interfaces.pcapng"), ("wireshark-rows.txt", "cooked.pcap")] {
+        let (told, captured) = (all(text), all(capture));
+        let first = captured[0].timestamp;
+        assert_eq!(told.len(), captured.len(), "{text}");
+        for (told, captured) in told.iter().zip(&captured) {
+            assert_eq!((told.frame, told.data()), (captured.frame, captured.data()), "{text}");
+            let since = captured.timestamp.since(first).nanos() / 1_000 * 1_000;
+            let expected = if text.contains("rows") { since } else { captured.timestamp.nanos() };
+            assert_eq!(told.timestamp.nanos(), expected, "{text}");
+        }
+    }
+    let without_bytes = String::from_utf8(sample("wireshark-details.txt")).unwrap();
+    let without_bytes: Vec<&str> = without_bytes.lines().filter(|line| !line.starts_with("0000  ")).collect();
+    let (frames, damages): (Vec<_>, Vec<_>) =
+        items(Format::WiresharkText, &without_bytes.join("\n")).into_iter().partition(Result::is_ok);
+    assert_eq!((frames.len(), damages.len()), (0, all("two-interfaces.pcapng").len()), "each packet is missed");
+}
+
+/// All records of an undamaged sample, whose format is recognised.
+fn all(name: &str) -> Vec<Record> {
+    let source = Source::from_bytes(sample(name));
+    let capture = Capture::from_source(name, source, &ReadOptions::default()).unwrap();
+    capture.map(|item| item.unwrap_or_else(|damage| panic!("{name}: {damage}"))).collect()
+}

@@ -26,6 +26,8 @@ const DEFLATED: u16 = 2;
 
 struct BlfWriter {
     sink: Box<dyn Write>,
+    /// Whether the file header was written: it has the time of the first record, also if the file is never finished.
+    is_begun: bool,
     time_base: TimeBase,
     /// Start of the measurement; `None` before the first record.
     start: Option<u64>,
@@ -43,11 +45,10 @@ struct BlfWriter {
     header: Option<Vec<u8>>,
 }
 
-pub(crate) fn create(mut sink: Box<dyn Write>, options: &WriteOptions) -> Result<Box<dyn Writer>, WriteError> {
-    // Until the file is finished, its header says that nothing is in it.
-    sink.write_all(&header(0, 0, 0, [None, None]))?;
+pub(crate) fn create(sink: Box<dyn Write>, options: &WriteOptions) -> Result<Box<dyn Writer>, WriteError> {
     Ok(Box::new(BlfWriter {
         sink,
+        is_begun: false,
         time_base: options.time_base,
         start: None,
         end: 0,
@@ -89,6 +90,15 @@ fn date(nanos: u64) -> [u16; 8] {
 }
 
 impl BlfWriter {
+    /// Writes the file header. Until the file is finished, it says that nothing is in the file.
+    fn begin(&mut self) -> Result<(), WriteError> {
+        if !std::mem::replace(&mut self.is_begun, true) {
+            let start = self.start.filter(|start| *start > 0);
+            self.sink.write_all(&header(0, 0, 0, [start, None]))?;
+        }
+        Ok(())
+    }
+
     /// Appends the record's object. All objects have a multiple of four bytes, so that no filling is needed.
     fn object(&mut self, record: &Record, channel: u16) {
         let frame = &record.frame;
@@ -230,6 +240,7 @@ impl Writer for BlfWriter {
         let nanos = record.timestamp.nanos();
         let has_date = matches!(self.time_base, TimeBase::Utc | TimeBase::Local);
         self.start.get_or_insert(if has_date { nanos / 1_000_000 * 1_000_000 } else { 0 });
+        self.begin()?;
         self.end = self.end.max(nanos);
         self.count_losses(record);
         let channel = self.numbers.number(record.channel, channels.name(record.channel), &mut self.losses);
@@ -243,6 +254,7 @@ impl Writer for BlfWriter {
     }
 
     fn finish(&mut self) -> Result<(), WriteError> {
+        self.begin()?;
         self.flush()?;
         let span = match self.start {
             Some(start) if start > 0 => [Some(start), Some(self.end)],

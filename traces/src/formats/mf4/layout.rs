@@ -27,18 +27,26 @@ pub(super) struct Layout {
 }
 
 impl Layout {
-    /// The blocks of a file whose measurement starts then, in nanoseconds since 1970 (`None`: the file is not
-    /// finished), with the length of its records and the number of records of each group.
-    pub fn new(start: Option<u64>, length: u64, is_local: bool, counts: [u64; 4]) -> Self {
-        let mut layout = Self { bytes: identification(start.is_none()), counts };
+    /// The blocks of a file that is not finished, whose measurement starts then, in nanoseconds since 1970.
+    pub fn unfinished(start: u64, is_local: bool) -> Self {
+        Self::new(identification(true), start, is_local, 0, [0; 4])
+    }
+
+    /// The blocks of a finished file, with the length of its records and the number of records of each group.
+    pub fn finished(start: u64, is_local: bool, length: u64, counts: [u64; 4]) -> Self {
+        Self::new(identification(false), start, is_local, length, counts)
+    }
+
+    fn new(identification: Vec<u8>, start: u64, is_local: bool, length: u64, counts: [u64; 4]) -> Self {
+        let mut layout = Self { bytes: identification, counts };
         layout.bytes.resize(HEADER as usize + HEADER_LENGTH, 0);
-        let history = layout.history(start.unwrap_or_default());
+        let history = layout.history(start);
         let groups = layout.groups();
         let data_group = layout.bytes.len() as u64;
         // The records follow the data group.
         let records = data_group + 64;
         layout.block(b"DG", &[0, groups, records, 0], &[1, 0, 0, 0, 0, 0, 0, 0]);
-        layout.header(data_group, history, start.unwrap_or_default(), is_local);
+        layout.header(data_group, history, start, is_local);
         layout.begin(b"DT", 24 + length, &[]);
         layout
     }

@@ -71,6 +71,9 @@ pub(super) const TIME: u32 = 8;
 
 struct Mf4Writer {
     sink: Box<dyn Write>,
+    /// Whether the blocks before the records were written: they have the time of the first record, also if the file is
+    /// never finished.
+    is_begun: bool,
     time_base: TimeBase,
     /// Start of the measurement; `None` before the first record.
     start: Option<u64>,
@@ -86,11 +89,10 @@ struct Mf4Writer {
     beginning: Option<Vec<u8>>,
 }
 
-pub(crate) fn create(mut sink: Box<dyn Write>, options: &WriteOptions) -> Result<Box<dyn Writer>, WriteError> {
-    let unfinished = Layout::new(None, 0, options.time_base == TimeBase::Local, [0; 4]);
-    sink.write_all(&unfinished.bytes())?;
+pub(crate) fn create(sink: Box<dyn Write>, options: &WriteOptions) -> Result<Box<dyn Writer>, WriteError> {
     Ok(Box::new(Mf4Writer {
         sink,
+        is_begun: false,
         time_base: options.time_base,
         start: None,
         counts: [0; 4],
@@ -103,6 +105,25 @@ pub(crate) fn create(mut sink: Box<dyn Write>, options: &WriteOptions) -> Result
 }
 
 impl Mf4Writer {
+    /// The blocks before the records.
+    fn layout(&self, is_finished: bool) -> Vec<u8> {
+        let start = self.start.unwrap_or_default();
+        let is_local = self.time_base == TimeBase::Local;
+        match is_finished {
+            true => Layout::finished(start, is_local, self.length, self.counts),
+            false => Layout::unfinished(start, is_local),
+        }
+        .bytes()
+    }
+
+    /// Writes the blocks before the records, of a file that is not finished.
+    fn begin(&mut self) -> Result<(), WriteError> {
+        if !std::mem::replace(&mut self.is_begun, true) {
+            self.sink.write_all(&self.layout(false))?;
+        }
+        Ok(())
+    }
+
     /// Encodes a record: number of the group, time, fields, data.
     fn encode(&mut self, record: &Record, kind: Kind, channel: u16) {
         let frame = &record.frame;
@@ -163,6 +184,7 @@ impl Writer for Mf4Writer {
         }
         let channel = self.numbers.number(record.channel, channels.name(record.channel), &mut self.losses);
         self.start.get_or_insert(record.timestamp.nanos());
+        self.begin()?;
         self.count_losses(record);
         let kind = kind(record);
         self.encode(record, kind, channel);
@@ -176,10 +198,9 @@ impl Writer for Mf4Writer {
     }
 
     fn finish(&mut self) -> Result<(), WriteError> {
+        self.begin()?;
         self.sink.flush()?;
-        let start = self.start.unwrap_or_default();
-        let finished = Layout::new(Some(start), self.length, self.time_base == TimeBase::Local, self.counts);
-        self.beginning = Some(finished.bytes());
+        self.beginning = Some(self.layout(true));
         Ok(())
     }
 
