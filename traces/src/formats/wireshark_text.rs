@@ -219,7 +219,11 @@ impl LineFormat for WiresharkText {
             return damage.map(Err);
         }
         self.is_reassembled |= line.bytes.ends_with(b" bytes):") && !line.bytes.starts_with(b"Frame (");
-        let packet = self.packet.as_mut()?;
+        let Some(packet) = &mut self.packet else {
+            // The first line of a packet may go on behind the end of the file.
+            let is_cut = !line.ended && !line.bytes.trim_ascii().is_empty();
+            return is_cut.then(|| Err(line.cut("the whole line of a packet")));
+        };
         packet.link = encapsulation(line.bytes).or(packet.link);
         packet.date = date(line.bytes).or(packet.date);
         None
