@@ -108,7 +108,7 @@ impl Args {
             Action::Configure { bus, which, node_id, bit_rate, rest } => {
                 let wish = Wish { node_id, bit_rate, rest };
                 wish.expect_something()?;
-                bus.run(PATIENCE, |master| master.configure(&which, wish))
+                bus.run(PATIENCE, |master| master.configure(&which, &wish))
             }
             Action::Fastscan { bus, assign, store } => bus.run(SCAN_PATIENCE, |master| master.fastscan(assign, store)),
         }
@@ -155,14 +155,14 @@ impl Master<'_> {
         Ok(Status::Good)
     }
 
-    fn configure(&mut self, which: &Which, wish: Wish) -> Result<Status, Failure> {
+    fn configure(&mut self, which: &Which, wish: &Wish) -> Result<Status, Failure> {
         self.select(which)?;
         // With `--address` only the selected slave is in configuration, and the answer to its selection has shown that
         // it has LSS.
         if let (Some(index), None) = (wish.bit_rate, &which.address) {
             self.refuse_lmt(index)?;
         }
-        self.carry_out::<Lss>(&wish)
+        self.carry_out::<Lss>(wish)
     }
 
     fn fastscan(&mut self, assign: Option<NodeId>, store: bool) -> Result<Status, Failure> {
