@@ -167,10 +167,11 @@ mod tests {
     }
 
     /// Options that mean the same although their values have different names, each with the reason.
-    const SAME: [(&str, &str); 6] = [
+    const SAME: [(&str, &str); 7] = [
         ("fail-on", "changes have classes, findings have severities"),
         ("journal", "restore has to have one; test takes none for nowhere"),
         ("node", "simulate takes none for a device without node-ID"),
+        ("node-id", "LSS can remove a node-ID, LMT can't"),
         ("profile", "of test a choice of cases, of explain the profile of a device: each is the usual word"),
         ("timeout", "of test and restore each wait has its own, WHAT=SPAN"),
         ("to", "where a capture is written, its name tells whether it is a format or a time"),

@@ -68,7 +68,7 @@ enum Action {
 #[derive(clap::Args)]
 struct Which {
     /// The device's LMT address (default: all devices are switched to configuration, so there must be only one)
-    #[arg(long, value_name = "MANUFACTURER:PRODUCT:SERIAL")]
+    #[arg(long = "slave", value_name = "MANUFACTURER:PRODUCT:SERIAL")]
     address: Option<Address>,
 }
 

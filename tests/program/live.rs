@@ -209,7 +209,7 @@ fn lmt_asks_identifies_and_configures() {
     assert!(configured.stdout.contains("configure bit timing: successful"), "{}", configured.stdout);
     let sent = proxy.frames("t7E58");
     assert!(sent.contains(&"1105000000000000".to_owned()) && sent.contains(&"1300050000000000".to_owned()), "{sent:?}");
-    let other = run(&["lmt", "configure", LMT, "--address", "TR-ELEC:LMP30:1", "--node-id", "5"]);
+    let other = run(&["lmt", "configure", LMT, "--slave", "TR-ELEC:LMP30:1", "--node-id", "5"]);
     assert_eq!((other.status, &*other.stdout), (3, ""), "{}", other.stderr);
     assert_eq!(run(&["lmt", "configure", ENCODER, "--bit-rate", "50k"]).status, 3, "it has LSS");
 }
