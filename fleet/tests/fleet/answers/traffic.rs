@@ -322,8 +322,11 @@ fn written(format: Format, records: &[Record], seed: u64) -> Vec<u8> {
     let mut writer = format.create(Box::new(sink.clone()), &options).unwrap();
     records.iter().for_each(|record| writer.write(record, &channels()).unwrap());
     writer.finish().unwrap();
+    let beginning = writer.beginning().map(<[u8]>::to_vec).unwrap_or_default();
     drop(writer);
-    sink.0.lock().unwrap().clone()
+    let mut bytes = sink.0.lock().unwrap().clone();
+    bytes[..beginning.len()].copy_from_slice(&beginning);
+    bytes
 }
 
 /// Formats records as candump prints them on a console.
