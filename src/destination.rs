@@ -84,14 +84,14 @@ impl Destination {
     }
 }
 
-/// Writes the final beginning over that of a finished file, if its format has one.
+/// Overwrites the beginning of a finished file, if the format states there what is known only at the end.
 pub fn complete_beginning(mut file: File, writer: &dyn Writer) -> Result<()> {
     let Some(beginning) = writer.beginning() else { return Ok(()) };
     let written = file.rewind().and_then(|()| file.write_all(beginning)).and_then(|()| file.flush());
     written.context("can't complete the beginning of the capture")
 }
 
-/// Writes the final beginning over that of a finished file with this path, as [`complete_beginning`] does.
+/// Opens a finished file, and overwrites its beginning as [`complete_beginning`] does.
 pub fn complete_beginning_of(path: &Path, writer: &dyn Writer) -> Result<()> {
     if writer.beginning().is_none() {
         return Ok(());

@@ -36,7 +36,7 @@ pub struct OnBus {
     client: ClientArg,
 }
 
-/// The configuration that the user wishes.
+/// The actions after node-ID and bit rate were configured.
 #[derive(clap::Args)]
 pub struct Rest {
     /// Store both in non-volatile memory
@@ -48,7 +48,7 @@ pub struct Rest {
     activate: Option<u16>,
 }
 
-/// A whole configuration. The bit rate is a row of the table of the dialect.
+/// The configuration that the user wishes. The bit rate is a row in table 0 of LSS or LMT.
 pub struct Wish {
     pub node_id: Option<u8>,
     pub bit_rate: Option<u8>,
@@ -67,7 +67,7 @@ impl Wish {
     }
 }
 
-/// Parses a bit rate into its row of table 0 of the dialect.
+/// Parses a bit rate, and returns its row in table 0 of LSS or LMT.
 pub fn parse_bit_rate<D: Dialect>(text: &str) -> Result<u8> {
     let number = |digits: &str, factor: u32| digits.parse::<u32>().ok()?.checked_mul(factor);
     let rate = match text.char_indices().last() {
@@ -81,7 +81,7 @@ pub fn parse_bit_rate<D: Dialect>(text: &str) -> Result<u8> {
     })
 }
 
-/// Parses the delay of "activate bit timing": whole milliseconds in 16 bits.
+/// Parses the delay of "activate bit timing", which has 16 bits, and returns it in milliseconds.
 fn parse_delay(text: &str) -> Result<u16> {
     let millis = parse_span(text)?.nanos() / 1_000_000;
     u16::try_from(millis)
@@ -157,7 +157,7 @@ impl Master<'_> {
         Ok(Status::Good)
     }
 
-    /// Sends a configuration command; every answer but success is an error.
+    /// Sends a configuration command. Any answer other than success is an error.
     pub fn configured<D: Dialect>(&mut self, command: ConfigureCommand, request: &Request<D>) -> Result<(), Failure> {
         let response = self.ask(request)?;
         let Response::Configured { command: found, error: 0, .. } = response else {

@@ -72,7 +72,7 @@ struct Which {
     address: Option<Address>,
 }
 
-/// Manufacturer name, product name, serial number.
+/// An LMT address: manufacturer name, product name and serial number.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 struct Address([Seven; 3]);
 

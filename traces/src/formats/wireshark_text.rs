@@ -28,7 +28,7 @@ use nom::number::Endianness;
 const CHANNEL: &str = "can0";
 /// Number of bytes in a line of bytes.
 const IN_A_LINE: usize = 16;
-/// Limit of the length of a packet: a CAN XL frame with the header of a cooked capture.
+/// Maximum length of a packet in bytes. The longest one has a CAN XL frame behind the header of a cooked capture.
 const LONGEST: usize = 2_100;
 
 pub(crate) fn sniff(head: &[u8]) -> bool {

@@ -146,7 +146,7 @@ fn the_text_of_wireshark_has_the_frames_of_the_capture() {
     assert_eq!((frames.len(), damages.len()), (0, all("two-interfaces.pcapng").len()), "each packet is missed");
 }
 
-/// All records of an undamaged sample, whose format is recognised.
+/// Reads all records of a sample. Its format must be recognised, and it must have no damage.
 fn all(name: &str) -> Vec<Record> {
     let source = Source::from_bytes(sample(name));
     let capture = Capture::from_source(name, source, &ReadOptions::default()).unwrap();

@@ -23,7 +23,8 @@ pub struct Quirks {
     pub error_register_bits: Option<u8>,
     /// The EMCY code of life guarding; `None`: 8130h.
     pub life_guarding_error: Option<u16>,
-    /// The error of life guarding stays until reset node, even if the master guards again.
+    /// The error of life guarding stays until a reset, even if the master guards again. The reset also clears the error
+    /// history.
     pub life_guarding_until_reset: bool,
     /// While the device writes its non-volatile memory, it neither receives nor sends.
     pub silent_while_storing: bool,

@@ -73,8 +73,8 @@ pub(crate) fn run_undisturbed(bench: &mut Bench<'_>, case: &'static Case) -> Cas
 }
 
 /// Repeats a failed case if the failure may have another cause than the device. If a repetition passes, or is
-/// inconclusive because of such a cause, the case becomes inconclusive for the reason `doubt`; the frames of the failure stay its
-/// evidence. Otherwise the failure counts.
+/// inconclusive because of such a cause, the case becomes inconclusive for the reason `doubt`. The frames of the failure
+/// stay its evidence. Otherwise the failure counts.
 fn confirmed(bench: &mut Bench<'_>, case: &'static Case, mut failed: CaseReport, doubt: Reason) -> CaseReport {
     for number in 1..=CONFIRMATIONS {
         if bench.is_cancelled() {
@@ -91,8 +91,8 @@ fn confirmed(bench: &mut Bench<'_>, case: &'static Case, mut failed: CaseReport,
     failed
 }
 
-/// Whether a repetition passed, or is inconclusive only because the device was late or moved. A repetition that could not begin
-/// is no reason to doubt the failure: the failure itself may prevent it.
+/// Whether a repetition passed, or is inconclusive only because the device was late or moved. A repetition that could
+/// not begin is no reason to doubt the failure: the failure itself may prevent it.
 fn has_not_come_again(verdict: &Verdict) -> bool {
     match verdict.kind() {
         Kind::Pass | Kind::Tolerated | Kind::Deviation => true,

@@ -20,7 +20,7 @@ const OBJECT_HEADER: usize = 2 * BASE_HEADER;
 const CONTAINER_HEADER: usize = 2 * BASE_HEADER;
 /// Maximum length of a container's content, as Vector's tools have it.
 const CONTAINER: usize = 128 * 1024;
-/// The flag of a time in nanoseconds.
+/// Flag of an object: its time stamp counts nanoseconds.
 const NANOSECONDS: u32 = 2;
 const DEFLATED: u16 = 2;
 
@@ -129,7 +129,7 @@ impl BlfWriter {
         self.count += 1;
     }
 
-    /// Channel, flags, DLC, identifier, eight bytes.
+    /// Appends the body of a CAN message: channel, flags, DLC, identifier, eight bytes.
     fn message(&mut self, record: &Record, channel: u16) {
         let frame = &record.frame;
         let flags = sent(record) | if frame.is_remote() { REMOTE } else { 0 };
@@ -139,7 +139,8 @@ impl BlfWriter {
         self.objects.extend(frame.bytes());
     }
 
-    /// Channel, flags, DLC, identifier, frame length, bit count, CAN FD flags, valid bytes, reserved (5), 64 bytes.
+    /// Appends the body of a CAN FD message: channel, flags, DLC, identifier, frame length, bit count, CAN FD flags, valid
+    /// bytes, reserved (5), 64 bytes.
     fn fd_message(&mut self, record: &Record, channel: u16) {
         let frame = &record.frame;
         let flag = |flag, bit| if frame.flags().contains(flag) { bit } else { 0 };
@@ -155,8 +156,9 @@ impl BlfWriter {
         self.objects.resize(end, 0);
     }
 
-    /// Channel, length, flags, ECC, position, DLC, reserved, frame length, identifier, flags, reserved, data. As
-    /// python-can writes it: Linux's error class as identifier, and its detail bytes.
+    /// Appends the body of an error frame: channel, length, flags, ECC, position, DLC, reserved, frame length, identifier,
+    /// flags, reserved, data. As in python-can's files, the identifier is Linux's error class, and the data are its detail
+    /// bytes.
     fn error(&mut self, record: &Record, channel: u16) {
         let frame = &record.frame;
         let class = frame.error_class().map_or(0, |class| class.0);

@@ -141,7 +141,7 @@ impl Layout {
         self.block(b"CC", &[0, 0, 0, 0], &data)
     }
 
-    /// The channel of a frame, whose members are its fields.
+    /// Appends the channel of a frame. The fields of the frame are its members.
     fn frame(&mut self, kind: Kind, source: u64) -> u64 {
         let data = Field { name: "DataBytes", byte: DATA_AT, bit: 0, bits: 8 * kind.data() };
         let has_data = kind.data() > 0;
@@ -158,7 +158,8 @@ impl Layout {
         self.channel(&[next, 0, name, source, 0, 0, 0, 0], [FIXED, 0, encoding], &place, CHANNEL_OF_BUS)
     }
 
-    /// A channel with its links, its kind, synchronisation and encoding, its place and its flags.
+    /// Appends a channel, and returns its offset. `kind` holds the kind of the channel, of its synchronisation, and of its
+    /// encoding.
     fn channel(&mut self, links: &Links, kind: [u8; 3], place: &Field, flags: u32) -> u64 {
         let mut data = kind.to_vec();
         data.push(place.bit);

@@ -84,7 +84,10 @@ impl Pages {
         // SQLite needs 480 bytes of a page.
         match size.checked_sub(reserved).filter(|usable| *usable >= 480) {
             Some(usable) => Ok(Self { file, size, usable }),
-            None => Err(Flaw::malformed("at most 32 reserved bytes in a page of 512", reserved.to_string())),
+            None => Err(Flaw::malformed(
+                "a page of at least 480 usable bytes",
+                format!("{reserved} of {size} bytes reserved"),
+            )),
         }
     }
 
