@@ -110,12 +110,12 @@ impl Clock {
             *known = second;
             date.clear();
             self.zone.clear();
-            let zone = match self.style {
-                TimeStyle::Local => jiff::tz::TimeZone::system(),
-                _ => jiff::tz::TimeZone::UTC,
-            };
             // 64 bits of nanoseconds reach to the year 2554, so every second has a date.
             if let Ok(time) = jiff::Timestamp::from_second(second.cast_signed()) {
+                let zone = match self.style {
+                    TimeStyle::Local => local_zone(time),
+                    _ => jiff::tz::TimeZone::UTC,
+                };
                 let time = time.to_zoned(zone);
                 push_text(date, time.strftime("%Y-%m-%dT%H:%M:%S"));
                 match self.style {
@@ -129,6 +129,21 @@ impl Clock {
         push_fraction(out, now.nanos() % NANOS, 9);
         out.extend_from_slice(&self.zone);
     }
+}
+
+/// The zone of this computer.
+#[cfg(not(target_family = "wasm"))]
+fn local_zone(_: jiff::Timestamp) -> jiff::tz::TimeZone {
+    jiff::tz::TimeZone::system()
+}
+
+/// The offset of the browser's zone at this time, as a zone.
+#[cfg(target_family = "wasm")]
+fn local_zone(time: jiff::Timestamp) -> jiff::tz::TimeZone {
+    let date = js_sys::Date::new(&(time.as_millisecond() as f64).into());
+    // JavaScript counts the minutes from local time to UTC.
+    let seconds = -60 * date.get_timezone_offset() as i32;
+    jiff::tz::Offset::from_seconds(seconds).map_or(jiff::tz::TimeZone::UTC, |offset| offset.to_time_zone())
 }
 
 #[cfg(test)]

@@ -73,10 +73,7 @@ fn every_sample_gives_the_same_bytes_as_the_program() {
     let opened = here();
     opened.browser.run(KEEP);
     let names = std::fs::read_dir(samples()).unwrap().map(|entry| entry.unwrap().file_name().into_string().unwrap());
-    // The page does not read the text of Wireshark.
-    let is_capture = |name: &String| {
-        !name.starts_with("wireshark-") && ![".frames", ".py", ".md"].iter().any(|ending| name.ends_with(ending))
-    };
+    let is_capture = |name: &String| ![".frames", ".py", ".md"].iter().any(|ending| name.ends_with(ending));
     let names: Vec<_> = names.filter(is_capture).collect();
     assert!(names.len() > 20, "{names:?}");
     for name in names {

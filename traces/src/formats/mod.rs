@@ -22,7 +22,6 @@ pub(crate) mod trc;
 mod trc_numbers;
 mod trc_row;
 mod trc_writer;
-#[cfg(not(target_family = "wasm"))]
 pub(crate) mod wireshark_text;
 
 use crate::{Format, Loss, ReadOptions, Reader, Source, WriteError, WriteOptions, Writer};
@@ -179,8 +178,6 @@ const FORMATS: &[FormatEntry] = &[
         open: asc::open,
         writing: Some(Writing { create: asc::create, losses: OF_TEXT_OF_WINDOWS, rewrites_beginning: false }),
     },
-    // The page has no room for it: its module stays below a size that can be sent by mail.
-    #[cfg(not(target_family = "wasm"))]
     FormatEntry {
         format: Format::WiresharkText,
         id: "wireshark-text",
