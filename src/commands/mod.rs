@@ -4,6 +4,7 @@ pub mod compare;
 pub mod completions;
 pub mod config;
 pub mod convert;
+pub mod dcf;
 pub mod decode;
 mod decode_events;
 pub mod diagnose;

@@ -239,6 +239,13 @@ fn knock(exchange: &mut Exchange<'_>, patience: Duration, nodes: &mut BTreeMap<N
     Ok(())
 }
 
+/// The nodes that answer a request for their device type.
+pub fn answering(exchange: &mut Exchange<'_>, patience: Duration) -> Result<Vec<NodeId>, BusError> {
+    let mut nodes = BTreeMap::new();
+    undisturbed(exchange, |exchange| knock(exchange, patience, &mut nodes))?;
+    Ok(nodes.into_iter().filter(|(_, found)| found.answers).map(|(node, _)| node).collect())
+}
+
 /// Reads the identity of a node.
 fn ask(exchange: &mut Exchange<'_>, node: NodeId, patience: Duration, found: &mut Found) -> Result<(), BusError> {
     for object in Candidates::objects() {

@@ -5,7 +5,7 @@ mod bundled;
 mod choice;
 mod course;
 mod forecast;
-mod journal;
+pub mod journal;
 mod recorder;
 pub mod reports;
 

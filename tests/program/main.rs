@@ -17,6 +17,8 @@ mod closed_output;
 #[cfg(test)]
 mod completion;
 #[cfg(test)]
+mod configurations;
+#[cfg(test)]
 mod conformance;
 #[cfg(test)]
 mod contract;

@@ -3,6 +3,7 @@
 
 mod annotation;
 pub mod check;
+pub mod configuration;
 pub mod consistency;
 pub mod convert;
 mod data_type;

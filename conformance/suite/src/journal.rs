@@ -33,7 +33,7 @@ const FIRST_LINE: &str = "canvass journal 1";
 
 /// The journal of a run in progress.
 #[derive(Debug)]
-pub(crate) struct Journal {
+pub struct Journal {
     path: PathBuf,
     file: File,
     /// Objects whose earlier value is in the journal.
@@ -45,17 +45,26 @@ pub(crate) struct Journal {
 }
 
 /// The facts about the run at the begin of its journal.
-pub(crate) struct Head<'a> {
+pub struct Head<'a> {
+    /// The bus, as the user addressed it.
     pub bus: &'a str,
+    /// The node-ID of the device.
     pub node: NodeId,
+    /// The model or file that describes the device; empty if there is none.
     pub device: &'a str,
+    /// Whether the device is operational.
     pub operational: bool,
+    /// The values before the first change.
     pub dictionary: &'a [(Multiplexer, Vec<u8>)],
+    /// The zero point before the first change.
     pub zero_point: Option<&'a ZeroPoint>,
 }
 
 impl Journal {
-    /// Creates the journal, before the first change.
+    /// Creates the journal, before the first change. Does not replace a file.
+    ///
+    /// # Errors
+    /// If the file exists or can't be written.
     pub fn create(path: &Path, head: &Head<'_>) -> io::Result<Self> {
         let one_line = |text: &str| text.replace(['\n', '\r'], " ");
         let (bus, device) = (one_line(head.bus), one_line(head.device));
@@ -71,7 +80,7 @@ impl Journal {
     }
 
     /// Records an object that is about to be written, with its earlier value.
-    pub fn value(&mut self, multiplexer: Multiplexer, value: &[u8]) -> io::Result<()> {
+    pub(crate) fn value(&mut self, multiplexer: Multiplexer, value: &[u8]) -> io::Result<()> {
         if !self.known.insert(multiplexer) {
             return Ok(());
         }
@@ -81,7 +90,7 @@ impl Journal {
     }
 
     /// Records the values that a start loads, before any case has run.
-    pub fn memory<'a>(
+    pub(crate) fn memory<'a>(
         &mut self,
         stored: impl IntoIterator<Item = (Multiplexer, &'a [u8])>,
         zero_point: Option<&ZeroPoint>,
@@ -93,23 +102,29 @@ impl Journal {
     }
 
     /// Records the begin of a case that may store values or change the node-ID or bit rate.
-    pub fn begin(&mut self, case: &str) -> io::Result<()> {
+    pub(crate) fn begin(&mut self, case: &str) -> io::Result<()> {
         self.open = true;
         self.append(&format!("case {case}\n"))
     }
 
     /// Records that the device is about to be told to write its non-volatile memory.
+    ///
+    /// # Errors
+    /// If the file can't be written.
     pub fn store(&mut self) -> io::Result<()> {
         if std::mem::replace(&mut self.stores, true) { Ok(()) } else { self.append("stores\n") }
     }
 
     /// Records that the case has ended and has put back its changes.
-    pub fn settle(&mut self) -> io::Result<()> {
+    pub(crate) fn settle(&mut self) -> io::Result<()> {
         self.stores = false;
         if std::mem::take(&mut self.open) { self.append("settled\n") } else { Ok(()) }
     }
 
-    /// Removes the journal: the device is as before the run.
+    /// Removes the journal: the device is as before the run, or its changes are wanted.
+    ///
+    /// # Errors
+    /// If the file can't be removed.
     pub fn remove(self) -> io::Result<()> {
         fs::remove_file(&self.path)
     }

@@ -1,5 +1,6 @@
 //! The findings in device descriptions, in all output forms.
 
+pub mod configuration;
 pub mod dbc;
 pub mod difference;
 pub mod github;

@@ -64,6 +64,13 @@ impl FromStr for IndexRange {
 
 impl Args {
     pub fn run(self) -> Result<Status, Failure> {
+        let ending = self.output.as_deref().and_then(Path::extension);
+        if ending.is_some_and(|ending| ending.eq_ignore_ascii_case("dcf") || ending.eq_ignore_ascii_case("xdc")) {
+            return Err(anyhow!(
+                "this writes an EDS, without the values of one device: `canvass dcf read` writes a DCF"
+            )
+            .into());
+        }
         if let Some(path) = self.output.as_deref().filter(|_| !self.force) {
             refuse_existing(path)?;
         }
@@ -111,24 +118,30 @@ impl Args {
 
     /// The description's section on the file itself.
     fn file(&self, missing: Option<&Missing>) -> Result<FileInfo> {
-        let name = self.output.as_deref().and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
-        let at = date_of_file()?;
-        let moment = (at.strftime("%m-%d-%Y").to_string(), at.strftime("%I:%M%p").to_string());
-        Ok(FileInfo {
-            name: name.unwrap_or_else(|| "device.eds".to_owned()),
-            version: "1".to_owned(),
-            revision: "1".to_owned(),
-            description: missing.map_or_else(
-                || "Read from a device".to_owned(),
-                |missing| format!("Read from a device, in part: {}", missing.what),
-            ),
-            created: moment.clone(),
-            created_by: format!("canvass {}", env!("CARGO_PKG_VERSION")),
-            modified: moment,
-            modified_by: format!("canvass {}", env!("CARGO_PKG_VERSION")),
-            ..FileInfo::default()
-        })
+        let description = missing.map_or_else(
+            || "Read from a device".to_owned(),
+            |missing| format!("Read from a device, in part: {}", missing.what),
+        );
+        file_info(self.output.as_deref(), "device.eds", description)
     }
+}
+
+/// The section on the file itself of a description that is written now; `usual` is the name of a file without one.
+pub fn file_info(output: Option<&Path>, usual: &str, description: String) -> Result<FileInfo> {
+    let name = output.and_then(Path::file_name).map(|name| name.to_string_lossy().into_owned());
+    let at = date_of_file()?;
+    let moment = (at.strftime("%m-%d-%Y").to_string(), at.strftime("%I:%M%p").to_string());
+    Ok(FileInfo {
+        name: name.unwrap_or_else(|| usual.to_owned()),
+        version: "1".to_owned(),
+        revision: "1".to_owned(),
+        description,
+        created: moment.clone(),
+        created_by: format!("canvass {}", env!("CARGO_PKG_VERSION")),
+        modified: moment,
+        modified_by: format!("canvass {}", env!("CARGO_PKG_VERSION")),
+        ..FileInfo::default()
+    })
 }
 
 /// The part of a device that was not read.

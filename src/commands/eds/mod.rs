@@ -5,7 +5,7 @@ mod convert;
 mod device;
 mod diff;
 pub mod found;
-mod from_device;
+pub mod from_device;
 mod show;
 mod verify;
 

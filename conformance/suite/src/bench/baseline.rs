@@ -1,7 +1,6 @@
 //! The device before the run: the values in use, and the values that a start loads. At the end the tester compares the
 //! device with them.
 
-use super::rewrite::Original;
 use super::{Bench, dictionary, restore, rewrite, start};
 use crate::behaviour::{Behaviour, Changed};
 use crate::comparison::{Change, Comparison, Nature};
@@ -10,6 +9,7 @@ use crate::touch::Touch;
 use crate::verdict::Stop;
 use crate::zero_point::{Moved, ZeroPoint};
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::dictionary::configuration::Download;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_bus::client::sdo::Mode;
 use canvass_traces::Duration;
@@ -51,7 +51,7 @@ pub(crate) struct Baseline {
     /// The zero point in use before the first reset.
     pub zero_point: Option<ZeroPoint>,
     /// The values after a start: stored settings or defaults. `None` if they are not known yet.
-    pub stored: Option<Vec<Original>>,
+    pub stored: Option<Vec<Download>>,
     /// Objects in `stored` that a reset sets to their defaults and that only power-on loads: their stored values can't
     /// be read. The tester assumes the values that were in use.
     pub unseen: Vec<Multiplexer>,
@@ -75,7 +75,7 @@ pub(crate) struct MemoryLeft {
 impl Baseline {
     /// The baseline that the journal of an interrupted run holds.
     pub fn of(run: &Interrupted) -> Self {
-        let stored: Vec<Original> = run.memory.iter().map(Original::from).collect();
+        let stored: Vec<Download> = run.memory.iter().map(Download::from).collect();
         Self {
             zero_point: run.zero_point,
             stored: (!stored.is_empty()).then_some(stored),
@@ -123,7 +123,7 @@ pub(crate) fn learn_memory(bench: &mut Bench<'_>, known: &[(Multiplexer, Vec<u8>
         } else {
             bench.unjudged(|bench| bench.value_at_last(*at))?
         };
-        stored.extend(value.map(|value| Original { multiplexer: *at, value }));
+        stored.extend(value.map(|value| Download { at: *at, value }));
     }
     bench.changes.baseline.stored_zero_point = bench.unjudged(Bench::look_at_zero_point).ok().flatten();
     bench.changes.learn_memory(stored)?;
@@ -210,12 +210,12 @@ pub(crate) fn put_back_memory(bench: &mut Bench<'_>, may_store: bool, may_preset
 fn memory_left(bench: &mut Bench<'_>) -> Result<MemoryLeft, Stop> {
     let mut changes = Vec::new();
     for original in bench.changes.baseline.stored.clone().unwrap_or_default() {
-        if bench.changes.baseline.unseen.contains(&original.multiplexer) {
+        if bench.changes.baseline.unseen.contains(&original.at) {
             continue;
         }
-        let now = bench.value_at_last(original.multiplexer)?;
+        let now = bench.value_at_last(original.at)?;
         if now.as_ref() != Some(&original.value) {
-            let change = dictionary::change(bench, original.multiplexer, Some(original.value), now);
+            let change = dictionary::change(bench, original.at, Some(original.value), now);
             changes.push(Change { nature: Nature::Setting, ..change });
         }
     }

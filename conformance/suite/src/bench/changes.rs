@@ -1,11 +1,11 @@
 //! The changes that cases made in the device, the values before, and the journal that records them.
 
 use super::baseline::Baseline;
-use super::rewrite::Original;
 use super::watch::memory_command;
 use crate::journal::{Head, Journal};
 use crate::touch::Touch;
 use crate::verdict::{Reason, Stop};
+use canvass_analyzer::dictionary::configuration::Download;
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_bus::observation::Subject;
 use canvass_traces::Frame;
@@ -17,9 +17,9 @@ use std::path::Path;
 pub(crate) struct Changes {
     journal: Option<Journal>,
     /// The values before the changes of the current case.
-    originals: Vec<Original>,
+    originals: Vec<Download>,
     /// The original values of objects that the bench could not put back after earlier cases.
-    unrestored: Vec<Original>,
+    unrestored: Vec<Download>,
     /// The device before the run.
     pub(super) baseline: Baseline,
     /// Whether the tester is putting a zero point back. Only then, and in cases that may move a zero point, the tester
@@ -31,24 +31,24 @@ pub(crate) struct Changes {
 
 impl Changes {
     /// The values before the changes of the current case.
-    pub(super) fn originals(&self) -> &[Original] {
+    pub(super) fn originals(&self) -> &[Download] {
         &self.originals
     }
 
     /// Whether the value of an object before the case is known.
     pub(super) fn knows(&self, at: Multiplexer) -> bool {
-        self.originals().iter().any(|original| original.multiplexer == at)
+        self.originals().iter().any(|original| original.at == at)
     }
 
     /// The value that an object had before the case changed it; `None` if it could not be read.
     pub(super) fn value_before(&self, at: Multiplexer) -> Option<&[u8]> {
-        let change = self.originals().iter().find(|change| change.multiplexer == at)?;
+        let change = self.originals().iter().find(|change| change.at == at)?;
         Some(&change.value)
     }
 
     /// Keeps the value of an object before the case writes it.
-    pub(super) fn keep(&mut self, original: Original) -> Result<(), Stop> {
-        let value = |journal: &mut Journal| journal.value(original.multiplexer, &original.value);
+    pub(super) fn keep(&mut self, original: Download) -> Result<(), Stop> {
+        let value = |journal: &mut Journal| journal.value(original.at, &original.value);
         written(self.journal.as_mut().map_or(Ok(()), value))?;
         self.originals.push(original);
         Ok(())
@@ -56,10 +56,10 @@ impl Changes {
 
     /// Takes the values to put back now. If an earlier case left an object changed, its value is the one before that
     /// case.
-    pub(super) fn take(&mut self) -> Vec<Original> {
+    pub(super) fn take(&mut self) -> Vec<Download> {
         let mut originals = std::mem::take(&mut self.unrestored);
         for change in std::mem::take(&mut self.originals) {
-            if !originals.iter().any(|known| known.multiplexer == change.multiplexer) {
+            if !originals.iter().any(|known| known.at == change.at) {
                 originals.push(change);
             }
         }
@@ -68,18 +68,18 @@ impl Changes {
 
     /// Keeps the values that could not be put back: the bench tries again after the next case, and reports them at the
     /// end of the run.
-    pub(super) fn leave(&mut self, unrestored: Vec<Original>) {
+    pub(super) fn leave(&mut self, unrestored: Vec<Download>) {
         self.unrestored = unrestored;
     }
 
     /// The values that could not be put back.
-    pub(super) fn unrestored(&self) -> &[Original] {
+    pub(super) fn unrestored(&self) -> &[Download] {
         &self.unrestored
     }
 
     /// Whether an earlier case left an object with a value that is not the device's own.
     pub(crate) fn is_left_behind(&self, subject: Subject) -> bool {
-        self.unrestored.iter().any(|original| subject.covers(original.multiplexer.into()))
+        self.unrestored.iter().any(|original| subject.covers(original.at.into()))
     }
 
     /// Begins the journal: no case has run yet.
@@ -100,9 +100,9 @@ impl Changes {
     }
 
     /// Records the values that a start loads.
-    pub(super) fn learn_memory(&mut self, stored: Vec<Original>) -> Result<(), Stop> {
+    pub(super) fn learn_memory(&mut self, stored: Vec<Download>) -> Result<(), Stop> {
         if let Some(journal) = &mut self.journal {
-            let stored = stored.iter().map(|original| (original.multiplexer, &*original.value));
+            let stored = stored.iter().map(|original| (original.at, &*original.value));
             written(journal.memory(stored, self.baseline.stored_zero_point.as_ref()))?;
         }
         self.baseline.stored = Some(stored);

@@ -1,9 +1,9 @@
 //! The whole object dictionary: read before a run, compared and put back afterwards.
 
-use super::rewrite::Original;
 use super::{Bench, profile, restore, rewrite};
 use crate::comparison::{Change, Comparison, Nature};
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::dictionary::configuration::Download;
 use canvass_analyzer::dictionary::{Access, DeviceDescription, Entry, names};
 use canvass_analyzer::object::{self, Acting};
 use canvass_bus::client::Outcome;
@@ -121,7 +121,7 @@ fn put_back_settings(bench: &mut Bench<'_>, bus: &str, before: &[(Multiplexer, V
     let mut changes = changes_since(bench, before);
     if changes.iter().any(|change| is_put_back(bench, change.multiplexer)) {
         let configured = before.iter().filter(|(multiplexer, _)| is_put_back(bench, *multiplexer));
-        let originals: Vec<Original> = configured.map(Original::from).collect();
+        let originals: Vec<Download> = configured.map(Download::from).collect();
         rewrite::write_back(bench, &originals);
         changes = changes_since(bench, before);
     }

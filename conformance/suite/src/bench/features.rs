@@ -107,7 +107,7 @@ impl Bench<'_> {
             return true;
         }
         let Some(at) = self.target.manual.settings.bit_rate else { return false };
-        let stored = self.changes.baseline.stored.iter().flatten().find(|original| original.multiplexer == at);
+        let stored = self.changes.baseline.stored.iter().flatten().find(|original| original.at == at);
         let Some(before) = stored.map(|original| original.value.clone()) else { return false };
         matches!(self.unjudged(|bench| bench.value_at_last(at)), Ok(Some(now)) if now == before)
     }

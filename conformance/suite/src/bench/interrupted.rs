@@ -1,12 +1,12 @@
 //! Puts back the changes of an interrupted run, which its journal lists.
 
 use super::baseline::{Baseline, MemoryLeft};
-use super::rewrite::Original;
 use super::{Bench, Rescue, baseline, dictionary, rewrite};
 use crate::comparison::{Change, Comparison};
 use crate::journal::{Head, Interrupted};
 use crate::verdict::Stop;
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::dictionary::configuration::Download;
 use canvass_analyzer::object::Acting;
 use canvass_analyzer::wire::nmt::Command;
 use std::io;
@@ -48,10 +48,10 @@ fn put_back_all(bench: &mut Bench<'_>, run: &Interrupted, rescue: Option<Rescue>
     // A failure here shows in the comparison.
     let memory = put_back_memory_of(bench, run).unwrap_or_default();
     let configured = run.values.iter().filter(|(multiplexer, _)| dictionary::is_put_back(bench, *multiplexer));
-    let originals: Vec<Original> = configured.chain(&run.more).map(Original::from).collect();
+    let originals: Vec<Download> = configured.chain(&run.more).map(Download::from).collect();
     rewrite::write_back(bench, &originals);
     bench.leave(run.operational);
-    let more: Vec<Original> = run.more.iter().map(Original::from).collect();
+    let more: Vec<Download> = run.more.iter().map(Download::from).collect();
     // These objects are not in the dictionary: they are compared together with it.
     let unrestored = rewrite::write_back(bench, &more);
     bench.changes.leave(unrestored);
@@ -77,7 +77,7 @@ fn put_back_memory_of(bench: &mut Bench<'_>, run: &Interrupted) -> Result<Memory
     }
     if run.memory.is_empty() {
         bench.changes.baseline.stored =
-            Some(run.values.iter().filter(|(at, _)| dictionary::is_put_back(bench, *at)).map(Original::from).collect());
+            Some(run.values.iter().filter(|(at, _)| dictionary::is_put_back(bench, *at)).map(Download::from).collect());
     }
     baseline::put_back_memory(bench, run.stored, false)
 }

@@ -1,10 +1,10 @@
 //! Leaves the device as it was found.
 
-use super::rewrite::{Original, companions, is_cob_id, writes};
 use super::{Bench, dictionary, rewrite};
 use crate::comparison::{Change, Nature};
 use crate::verdict::Stop;
 use canvass_analyzer::Multiplexer;
+use canvass_analyzer::dictionary::configuration::{Download, companions, is_cob_id, ordered};
 use canvass_analyzer::object;
 use canvass_analyzer::wire::nmt::Command;
 use canvass_bus::client::sdo::{Bytes, Outcome};
@@ -73,12 +73,12 @@ fn keep(bench: &mut Bench<'_>, multiplexer: Multiplexer) -> Result<(), Stop> {
     if !bench.changes.knows(multiplexer)
         && let Outcome::Uploaded(value) = bench.undisturbed(|bench| bench.upload(multiplexer))?.outcome
     {
-        bench.changes.keep(Original { multiplexer, value })?;
+        bench.changes.keep(Download { at: multiplexer, value })?;
     }
     Ok(())
 }
 
-fn put_back_values(bench: &mut Bench<'_>, originals: &[Original]) -> Vec<Original> {
+fn put_back_values(bench: &mut Bench<'_>, originals: &[Download]) -> Vec<Download> {
     if !originals.is_empty()
         && let Err(stop) = wake(bench)
     {
@@ -86,12 +86,12 @@ fn put_back_values(bench: &mut Bench<'_>, originals: &[Original]) -> Vec<Origina
     }
     let mut stuck = rewrite::write_back(bench, originals);
     // A measured value that has changed meanwhile is none that the tester has changed.
-    stuck.retain(|original| !bench.changes_by_itself(original.multiplexer));
+    stuck.retain(|original| !bench.changes_by_itself(original.at));
     // A reset brings back values that were not stored.
     if !stuck.is_empty() && bench.reset(Command::RESET_NODE).is_ok() {
         stuck = rewrite::write_back(bench, originals);
     }
-    for Original { multiplexer, value } in &stuck {
+    for Download { at: multiplexer, value } in &stuck {
         bench.note(format!("{multiplexer} could not be set back to {}", Bytes(value)));
     }
     stuck
@@ -99,11 +99,11 @@ fn put_back_values(bench: &mut Bench<'_>, originals: &[Original]) -> Vec<Origina
 
 /// Changes that cases could not put back and that are not in `known`: objects without a description.
 pub(super) fn left_behind(bench: &mut Bench<'_>, known: &[Change]) -> Vec<Change> {
-    let is_told = |original: &Original| known.iter().any(|change| change.multiplexer == original.multiplexer);
-    let stuck: Vec<Original> =
+    let is_told = |original: &Download| known.iter().any(|change| change.multiplexer == original.at);
+    let stuck: Vec<Download> =
         bench.changes.unrestored().iter().filter(|original| !is_told(original)).cloned().collect();
     let stuck = rewrite::write_back(bench, &stuck);
-    let change = |Original { multiplexer, value }| {
+    let change = |Download { at: multiplexer, value }| {
         let after = dictionary::value_of(bench, multiplexer);
         Change { nature: Nature::Setting, ..dictionary::change(bench, multiplexer, Some(value), after) }
     };
@@ -128,7 +128,7 @@ pub(super) fn commands(
         return writing(bench, bus, before, changes);
     }
     let known = bench.changes.baseline.stored.clone().unwrap_or_default();
-    let known: Vec<(Multiplexer, Vec<u8>)> = known.into_iter().map(|one| (one.multiplexer, one.value)).collect();
+    let known: Vec<(Multiplexer, Vec<u8>)> = known.into_iter().map(|one| (one.at, one.value)).collect();
     let mut commands = vec![format!("canvass nmt {} reset-node {}", quoted(bus), bench.node())];
     commands.extend(writing(bench, bus, &known, stored));
     commands.push(command_to_write(bench, bus, (STORE, b"save".to_vec())));
@@ -142,22 +142,22 @@ pub(super) fn commands(
 
 fn writing(bench: &Bench<'_>, bus: &str, before: &[(Multiplexer, Vec<u8>)], changes: &[Change]) -> Vec<String> {
     let settings = changes.iter().filter(|change| change.nature == Nature::Setting && !bench.acts(change.multiplexer));
-    let mut originals: Vec<Original> = Vec::new();
+    let mut originals: Vec<Download> = Vec::new();
     for change in settings {
-        let known = originals.iter().any(|original| original.multiplexer == change.multiplexer);
+        let known = originals.iter().any(|original| original.at == change.multiplexer);
         if let (false, Some(value)) = (known, change.before.clone()) {
-            originals.push(Original { multiplexer: change.multiplexer, value });
+            originals.push(Download { at: change.multiplexer, value });
         }
     }
     let companions: Vec<Multiplexer> =
-        originals.iter().flat_map(|original| companions(original.multiplexer)).flatten().collect();
-    for known in before.iter().filter(|(multiplexer, _)| companions.contains(multiplexer)).map(Original::from) {
-        if !originals.iter().any(|original| original.multiplexer == known.multiplexer) {
+        originals.iter().flat_map(|original| companions(original.at)).flatten().collect();
+    for known in before.iter().filter(|(multiplexer, _)| companions.contains(multiplexer)).map(Download::from) {
+        if !originals.iter().any(|original| original.at == known.at) {
             originals.push(known);
         }
     }
     let held: Vec<(Multiplexer, u32)> = settings_now(changes).collect();
-    writes(&originals, &held).into_iter().map(|write| command_to_write(bench, bus, write)).collect()
+    ordered(&originals, &held).into_iter().map(|write| command_to_write(bench, bus, (write.at, write.value))).collect()
 }
 
 fn command_to_write(bench: &Bench<'_>, bus: &str, (at, value): (Multiplexer, Vec<u8>)) -> String {
@@ -194,7 +194,7 @@ fn quoted(bus: &str) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::Original;
+    use super::Download;
     use crate::scripted::{table, with_bench};
     use canvass_analyzer::Multiplexer;
     use canvass_analyzer::object;
@@ -205,14 +205,14 @@ mod tests {
         let (took, left) = with_bench(table(&[]), |bench| {
             bench.knowledge.gone = Some("301/a/case");
             let multiplexer = Multiplexer::new(object::PRODUCER_HEARTBEAT_TIME, 0);
-            bench.changes.keep(Original { multiplexer, value: vec![0, 0] }).unwrap();
+            bench.changes.keep(Download { at: multiplexer, value: vec![0, 0] }).unwrap();
             let begun = bench.now();
             bench.restore();
             bench.restore();
             (bench.now().since(begun), bench.changes.unrestored().to_vec())
         });
         assert_eq!(took, Duration::ZERO);
-        let left: Vec<_> = left.into_iter().map(|Original { multiplexer, value }| (multiplexer, value)).collect();
+        let left: Vec<_> = left.into_iter().map(|Download { at: multiplexer, value }| (multiplexer, value)).collect();
         assert_eq!(
             left,
             [(Multiplexer::new(object::PRODUCER_HEARTBEAT_TIME, 0), vec![0, 0])],

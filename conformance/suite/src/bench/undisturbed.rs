@@ -69,7 +69,7 @@ mod tests {
         let (cancel, mut annotate) = (AtomicBool::new(false), |_: &Record| String::new());
         let mut bench = Bench::new(&mut bus, &target, &options, &mut annotate, &cancel);
         bench.remember(at).unwrap();
-        let kept: Vec<_> = bench.changes.take().into_iter().map(|change| (change.multiplexer, change.value)).collect();
+        let kept: Vec<_> = bench.changes.take().into_iter().map(|change| (change.at, change.value)).collect();
         assert_eq!(kept, [(at, vec![0xE8, 0x03])]);
     }
 }

@@ -4,7 +4,6 @@
 #![cfg(test)]
 
 use super::super::restore::STORE;
-use super::super::rewrite::{Original, companions, writes};
 use super::super::state::HEARTBEAT_TIME;
 use super::super::{Bench, Options, dictionary, interrupted, restore, rewrite};
 use crate::comparison::{Change, Nature};
@@ -12,6 +11,7 @@ use crate::journal::Interrupted;
 use crate::scripted::{Row, ScriptedBus, described, dictionary, frame, with_bench, with_target};
 use crate::touch::Touch;
 use crate::verdict::Judged;
+use canvass_analyzer::dictionary::configuration::{Download, companions, ordered};
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_bus::observation::Subject;
 use canvass_traces::{Direction, Duration, Frame};
@@ -25,8 +25,8 @@ fn row(index: u16, sub: u8, value: &[u8]) -> Row {
     ((index, sub), value.to_vec(), true)
 }
 
-fn original(index: u16, sub: u8, value: &[u8]) -> Original {
-    Original { multiplexer: Multiplexer::new(index, sub), value: value.to_vec() }
+fn original(index: u16, sub: u8, value: &[u8]) -> Download {
+    Download { at: Multiplexer::new(index, sub), value: value.to_vec() }
 }
 
 /// The tester's frames after the first `since` frames, in short: `1017:00=E803` for a write, `NMT 81 3F`.
@@ -99,9 +99,9 @@ fn values(rows: &[Row]) -> Values {
 /// TIME neither produced nor consumed.
 #[test]
 fn each_communication_object_is_off_while_it_is_written() {
-    let written = |originals: &[Original]| -> Vec<String> {
-        let text = |(at, value): (Multiplexer, Vec<u8>)| format!("{at} {value:02X?}");
-        writes(originals, &[]).into_iter().map(text).collect()
+    let written = |originals: &[Download]| -> Vec<String> {
+        let text = |Download { at, value }: Download| format!("{at} {value:02X?}");
+        ordered(originals, &[]).into_iter().map(text).collect()
     };
     let emcy = [original(0x1014, 0, &[0xBF, 0, 0, 0]), original(0x1015, 0, &[5, 0])];
     assert_eq!(written(&emcy), ["1014h:00 [BF, 00, 00, 80]", "1015h:00 [05, 00]", "1014h:00 [BF, 00, 00, 00]"]);
@@ -124,14 +124,14 @@ fn each_communication_object_is_off_while_it_is_written() {
             original(communication, 2, &[1]),
         ];
         let order: Vec<(Multiplexer, u8)> =
-            writes(&pdo, &[]).into_iter().map(|(at, value)| (at, value.last().copied().unwrap())).collect();
+            ordered(&pdo, &[]).into_iter().map(|Download { at, value }| (at, value.last().copied().unwrap())).collect();
         let [id, kind] = [1, 2].map(|sub| Multiplexer::new(communication, sub));
         let [count, entry] = [0, 1].map(|sub| Multiplexer::new(mapping, sub));
         assert_eq!(order, [(id, 0x80), (kind, 1), (count, 0), (entry, 0x10), (count, 1), (id, 0)]);
     }
     // Objects next to these ranges are ordinary objects.
     for index in [0x13FF, 0x1C00] {
-        assert_eq!(writes(&[original(index, 0, &[7]), original(index, 1, &[7])], &[]).len(), 2, "{index:04X}h");
+        assert_eq!(ordered(&[original(index, 0, &[7]), original(index, 1, &[7])], &[]).len(), 2, "{index:04X}h");
     }
 }
 
@@ -156,7 +156,7 @@ fn an_object_has_its_companions() {
 fn what_differs_is_written_back() {
     let before =
         [row(0x1017, 0, &[0, 0]), row(0x100C, 0, &[5, 0]), row(0x1015, 0, &[1, 0]), row(0x1014, 0, &[0xBF, 0, 0, 0])];
-    let originals: Vec<Original> = before.iter().map(|(at, value, _)| original(at.0, at.1, value)).collect();
+    let originals: Vec<Download> = before.iter().map(|(at, value, _)| original(at.0, at.1, value)).collect();
     let now = values(&[
         row(0x1017, 0, &[0xE8, 3]),
         row(0x100C, 0, &[5, 0]),
