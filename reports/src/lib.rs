@@ -49,3 +49,4 @@ pub mod selftest;
 pub mod signals;
 mod table;
 pub mod time;
+pub mod waivers;

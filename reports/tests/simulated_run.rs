@@ -29,8 +29,9 @@ fn run_with(faults: Faults, reporters: &mut [&mut dyn Reporter]) -> Summary {
         description: Some(model.description().clone()),
         manual: model.device().manual.clone(),
         deviations: vec![Deviation {
-            case: "301/identity/names".to_owned(),
-            subject: "1008".parse().unwrap(),
+            cases: vec!["301/identity/names".to_owned()],
+            subject: Some("1008".parse().unwrap()),
+            situation: None,
             does: "value *".parse().unwrap(),
             documented: "the manual says so".to_owned(),
             by: Authority::Manual,

@@ -33,3 +33,4 @@ pub mod signals;
 pub mod simulate;
 pub mod test;
 pub mod verify;
+pub mod waivers;

@@ -1,5 +1,6 @@
 //! `canvass sdo`: reads and writes single objects.
 
+mod batch;
 pub mod object;
 mod value;
 
@@ -32,6 +33,7 @@ pub struct Args {
 
 #[derive(clap::Subcommand)]
 enum Action {
+    Batch(batch::Args),
     /// Read an object
     Read {
         #[command(flatten)]
@@ -94,6 +96,7 @@ struct Shown {
 impl Args {
     pub fn run(self) -> Result<Status, Failure> {
         match self.action {
+            Action::Batch(args) => args.run(),
             Action::Read { target, limit } => target.run(&Wish::Read(limit.or(UploadLimit::default()))),
             Action::Write { target, value, segmented } => target.run(&Wish::Write { value, segmented }),
         }

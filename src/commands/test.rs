@@ -10,6 +10,7 @@ mod recorder;
 pub mod reports;
 
 use crate::allow::{Allow, touches};
+use crate::destination::refuse_existing;
 use crate::devices::{describe, parse_node};
 use crate::files::Files;
 use crate::interrupt::Interrupt;
@@ -65,6 +66,9 @@ pub struct Args {
     /// A file of accepted or quarantined failures, each with its reason (TOML, see `docs/waivers.md`)
     #[arg(long, value_name = "FILE")]
     waivers: Option<PathBuf>,
+    /// Write a waiver file with an entry for each failure that nothing excuses, for you to add the reasons
+    #[arg(long, value_name = "FILE")]
+    write_waivers: Option<PathBuf>,
     /// Run each case this many times; a case with different verdicts is flaky
     #[arg(long, default_value_t = 1, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=1000))]
     repeat: u32,
@@ -93,7 +97,7 @@ pub struct Args {
     /// If an earlier run was interrupted and has left its journal, restore the device first
     #[arg(long)]
     restore: bool,
-    /// Overwrite the files of --record and --bundle if they exist
+    /// Overwrite the files of --record, --bundle and --write-waivers if they exist
     #[arg(long)]
     force: bool,
     /// Timeouts, such as sdo=500ms: sdo, store, lss, boot-up, reaction, silence, client (for a client of
@@ -181,7 +185,12 @@ impl Args {
 
     /// Checks that no output file is also an input or another output.
     fn name_files(&self) -> Result<(), Failure> {
-        for (option, path) in [("record", &self.record), ("bundle", &self.bundle), ("journal", &self.journal)] {
+        for (option, path) in [
+            ("record", &self.record),
+            ("bundle", &self.bundle),
+            ("journal", &self.journal),
+            ("write-waivers", &self.write_waivers),
+        ] {
             if path.as_deref().is_some_and(|path| path.as_os_str() == "-") {
                 return Err(anyhow!("standard output is for the result: --{option} takes a file").into());
             }
@@ -189,7 +198,10 @@ impl Args {
         let files = Files::new().bus(&self.bus).describes(self.device.as_deref()).reads(&self.waivers);
         let files = files.reads(self.choice.result());
         let files = files.writes(self.shown.files())?.writes(&self.record)?;
-        files.writes(&self.journal)?.writes(&self.bundle)?;
+        files.writes(&self.journal)?.writes(&self.bundle)?.writes(&self.write_waivers)?;
+        if let Some(path) = self.write_waivers.as_deref().filter(|_| !self.force) {
+            refuse_existing(path)?;
+        }
         Ok(())
     }
 

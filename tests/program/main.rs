@@ -107,5 +107,7 @@ mod terminals;
 #[cfg(test)]
 #[cfg(unix)] // signals, named pipes and /proc
 mod waiting;
+#[cfg(test)]
+mod waivers;
 #[cfg(all(test, windows))]
 mod windows;

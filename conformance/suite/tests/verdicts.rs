@@ -232,8 +232,9 @@ fn a_situation_judges_every_kind_of_answer() {
 #[test]
 fn a_deviation_explains_its_case_its_object_and_its_behaviour() {
     let deviation = Deviation {
-        case: "301/sdo/*".to_owned(),
-        subject: "1000".parse().unwrap(),
+        cases: vec!["301/sdo/*".to_owned()],
+        subject: Some("1000".parse().unwrap()),
+        situation: None,
         does: "silence".parse().unwrap(),
         documented: String::new(),
         by: Authority::Manual,

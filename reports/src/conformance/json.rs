@@ -170,10 +170,11 @@ fn quarantined(quarantine::Quarantine { until, owner, reason, .. }: &quarantine:
 
 fn breach(told: Told) -> Option<Breach> {
     let waiver_line = told.waiver_line();
-    let Named { subject, does } = told.breach?;
+    let Named { subject, does, situation } = told.breach?;
     Some(Breach {
         subject,
         observation: does,
+        situation: situation.map(Into::into),
         verdict: Verdict(told.kind),
         duty: told.duty,
         expected: told.expected,

@@ -30,6 +30,8 @@ pub struct Named {
     pub subject: String,
     /// The actual answer, such as `abort 0609 0030h` or `silence`.
     pub does: String,
+    /// The situation, if it is one of the table of allowed answers.
+    pub situation: Option<&'static str>,
 }
 
 impl Told {
@@ -44,7 +46,8 @@ impl Told {
 
     fn of(ruled: &Ruled) -> Self {
         let breach = &ruled.breach;
-        let named = Named { subject: breach.subject.to_string(), does: breach.actual.to_string() };
+        let situation = breach.row().map(|row| row.answers().id);
+        let named = Named { subject: breach.subject.to_string(), does: breach.actual.to_string(), situation };
         let reason = Reason::from(breach);
         let (excuse, seen) = (ruled.excuse.clone(), breach.seen);
         Self { breach: Some(named), excuse, seen, ..Self::end(ruled.kind(), &reason) }
@@ -73,7 +76,7 @@ impl Told {
 
     /// The lines of a waiver that would accept the breach. `None` if there is nothing to waive.
     pub fn waiver(&self) -> Option<String> {
-        let Named { subject, does } = self.breach.as_ref().filter(|_| self.kind == Kind::Fail)?;
+        let Named { subject, does, .. } = self.breach.as_ref().filter(|_| self.kind == Kind::Fail)?;
         Some(format!("object = {subject:?}, does = {does:?}"))
     }
 }

@@ -242,6 +242,9 @@ pub struct Breach {
     pub subject: String,
     /// The actual answer, as a waiver names it in `does`.
     pub observation: String,
+    /// The situation, as a waiver names it; only if it is one of the table of allowed answers.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub situation: Option<Word>,
     pub verdict: Verdict,
     pub duty: String,
     pub expected: String,

@@ -6,12 +6,14 @@ use super::reports::Reports;
 use crate::output::diagnostic;
 use crate::provenance::Collected;
 use crate::status::{Failure, Status};
-use anyhow::Result;
+use crate::whole_file::WholeFile;
+use anyhow::{Context, Result};
 use canvass_bus::Bus;
 use canvass_suite::bench::{Bench, Decoder, Evidence, Options, Target};
 use canvass_suite::case::Case;
 use canvass_suite::runner::{CaseReport, EndedEarly, Plan, RunError, RunEvent, Summary, run};
-use canvass_suite::waiver::Waivers;
+use canvass_suite::waiver::{Waivers, suggested};
+use std::io::Write;
 use std::sync::atomic::AtomicBool;
 
 /// Everything that a run needs.
@@ -50,7 +52,7 @@ impl Course<'_> {
             recorder.iter().for_each(|recorder| recorder.event(event));
             match event {
                 RunEvent::RunStarted(info) => self.provenance.node(info.node, info.device.clone()),
-                RunEvent::CaseFinished(report) if self.args.waivers.is_some() => {
+                RunEvent::CaseFinished(report) if self.args.waivers.is_some() || self.args.write_waivers.is_some() => {
                     // The caller only needs to know whether a waiver applied. Without the evidence, a report takes
                     // little memory.
                     finished.push(CaseReport { evidence: Evidence::default(), ..(*report).clone() });
@@ -59,6 +61,7 @@ impl Course<'_> {
                     is_over = true;
                     // The reports contain the hash of the complete capture.
                     recorded = recorder.map_or(Ok(()), Recorder::finish);
+                    recorded = std::mem::replace(&mut recorded, Ok(())).and(self.suggest_waivers(&finished));
                     self.end(&finished);
                 }
                 _ => {}
@@ -87,6 +90,22 @@ impl Course<'_> {
             let journal = journal.display();
             diagnostic(&format!("canvass: canvass restore {} --journal {journal} tries again", self.args.bus));
         }
+    }
+
+    /// Writes a waiver file for what failed.
+    fn suggest_waivers(&self, finished: &[CaseReport]) -> Result<()> {
+        let Some(path) = &self.args.write_waivers else { return Ok(()) };
+        // A year is long enough to mend most firmware, and short enough to be asked again.
+        let next_year = self.today.get(..4).and_then(|year| year.parse::<u32>().ok()).map_or(2100, |year| year + 1);
+        let last = format!("{next_year}{}", self.today.get(4..).unwrap_or_default());
+        let reports: Vec<&CaseReport> = finished.iter().collect();
+        let Some(text) = suggested(&reports, &self.args.bus, &last) else {
+            diagnostic(&format!("canvass: nothing failed that is not excused: {} is not written", path.display()));
+            return Ok(());
+        };
+        let file = WholeFile::create(path)?;
+        file.writer()?.write_all(text.as_bytes()).with_context(|| format!("can't write {}", path.display()))?;
+        file.complete()
     }
 
     /// Prints the warnings that need the results of all cases.

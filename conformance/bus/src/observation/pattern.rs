@@ -66,6 +66,18 @@ impl Pattern {
     }
 }
 
+impl Pattern {
+    /// Whether the pattern accepts whatever the other one accepts, for the pattern of a single observation as a report
+    /// prints it.
+    pub fn covers(&self, found: &Self) -> bool {
+        match (&self.0, &found.0) {
+            (_, Accepted::Exactly(observation)) => self.accepts(observation),
+            (Accepted::Sort(sort), Accepted::Frame(_)) => sort == "frame",
+            (own, found) => own == found,
+        }
+    }
+}
+
 /// The sorts of which a pattern may accept any value, because the value may differ between runs.
 const OPEN_SORTS: [&str; 5] = ["value", "number", "time", "count", "frame"];
 

@@ -68,8 +68,9 @@ mod tests {
     fn a_documented_breach_is_a_deviation_and_hides_no_other() {
         let silent = Breach::new(Subject::Device, "it works").found(Observation::Silence);
         let deviations = [Deviation {
-            case: "test/*".to_owned(),
-            subject: Subject::Device,
+            cases: vec!["test/*".to_owned()],
+            subject: Some(Subject::Device),
+            situation: None,
             does: "silence".parse().unwrap(),
             documented: "manual, 5.1".to_owned(),
             by: Authority::Manual,

@@ -185,6 +185,14 @@ impl Breach {
         self.outside().is_some_and(|outside| outside <= at_most)
     }
 
+    /// The row of the table of allowed answers, if the situation is one of it.
+    pub const fn row(&self) -> Option<Situation> {
+        match self.situation {
+            When::Listed { situation, .. } => Some(situation),
+            When::Own(_) => None,
+        }
+    }
+
     /// The required behaviour in one sentence.
     pub fn duty(&self) -> String {
         match &self.situation {

@@ -2,24 +2,38 @@
 //!
 //! ```toml
 //! [[waiver]]
-//! case = "301/pdo/mapping/*"              # an id or a pattern with *
-//! object = "1A00:01"                      # the subject of the breach, as reports name it
+//! case = "301/pdo/mapping/*"              # an id or a pattern with *, or a list of them
+//! object = "1A00:01"                      # the subject of the breach, as reports name it; * for any
 //! does = "abort 0604 0041h"               # the behaviour of the device, as reports name it
 //! reason = "mapping is fixed, ticket 4711"
 //! owner = "Ann"                           # optional: the person who answers for the waiver
 //! expires = 2027-06-30                    # optional: the last day on which the waiver holds
+//!
+//! [[waiver]]
+//! situation = "read-only"                 # in place of the case: wherever cases meet the situation
+//! object = "*"
+//! does = "abort 0800 0000h"
+//! reason = "one code for all refusals, ticket 4712"
 //! ```
 //!
 //! [`Quarantine`]s are in the same file. A waiver excuses the behaviour `does` of the object `object` in the case
-//! `case`; the verdict is then *deviation*. All other breaches still fail the case. A waiver for a case that does not
-//! exist is an error.
+//! `case` or the situation `situation`; the verdict is then *deviation*. All other breaches still fail the case. A waiver
+//! for a case or a situation that does not exist is an error, and so is one that names neither a case, a situation nor
+//! an object.
 //! A waiver that excused nothing, or has expired, is reported with the actual findings: waivers must not outlive their
 //! purpose.
+
+mod checked;
+mod suggested;
+
+pub use checked::{Checked, Found, Use};
+pub use suggested::suggested;
 
 use crate::catalogue;
 use crate::glob;
 use crate::quarantine::{self, Quarantine, day};
 use crate::runner::CaseReport;
+use crate::situation::Situation;
 use crate::verdict::{Authority, Deviation, Grade};
 use canvass_bus::observation::{BadPattern, BadSubject, Pattern, Subject};
 use serde::Deserialize;
@@ -42,10 +56,12 @@ pub struct Waivers {
 pub struct Waiver {
     /// The line at which the waiver begins, from 1.
     pub line: usize,
-    /// The id of a case, or a pattern with `*`.
-    pub case: String,
-    /// The subject of the breach.
-    pub subject: Subject,
+    /// The ids of cases, or patterns with `*`.
+    pub cases: Vec<String>,
+    /// The subject of the breach; `None` for any.
+    pub subject: Option<Subject>,
+    /// The situation of the breach; `None` for any.
+    pub situation: Option<Situation>,
     /// The behaviour of the device.
     pub does: Pattern,
     /// The reason why the user accepts the breach.
@@ -78,12 +94,21 @@ struct File {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct WaiverRow {
-    case: String,
+    case: Option<OneOrMore>,
+    situation: Option<String>,
     object: String,
     does: String,
     reason: String,
     owner: Option<String>,
     expires: Option<Datetime>,
+}
+
+/// A text, or a list of texts.
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum OneOrMore {
+    One(String),
+    More(Vec<String>),
 }
 
 impl Waivers {
@@ -151,12 +176,12 @@ impl Waiver {
 
     /// The reason why the waiver excused nothing; `None` if none of its cases ran.
     fn why_idle(&self, today: &str, reports: &[&CaseReport]) -> Option<String> {
-        let Self { line, case, subject, does, .. } = self;
-        let this = format!("the waiver for {case} (line {line})");
+        let (line, does) = (self.line, &self.does);
+        let this = format!("the waiver for {} (line {line})", self.place());
         if self.has_expired(today) {
             return Some(format!("{this} has expired on {}", self.expires.as_deref().unwrap_or_default()));
         }
-        let ran = |report: &&&CaseReport| report.verdict.kind().is_executed() && glob::matches(case, report.case.id);
+        let ran = |report: &&&CaseReport| report.verdict.kind().is_executed() && self.is_for(report.case.id);
         let ran: Vec<_> = reports.iter().filter(ran).collect();
         if ran.is_empty() {
             return None;
@@ -173,15 +198,36 @@ impl Waiver {
         let more = if more > 0 { format!(" and {more} more") } else { String::new() };
         others.truncate(SHOWN);
         let others = others.join("; ");
+        let subject = self.subject_text();
         Some(format!("{this} excused no breach: it accepts {subject}: {does}; found: {others}{more}"))
+    }
+
+    /// Whether the waiver is for a case, perhaps among others.
+    fn is_for(&self, case: &str) -> bool {
+        self.cases.iter().any(|pattern| glob::matches(pattern, case))
+    }
+
+    /// Where the waiver holds, in words: `301/pdo/mapping/*`, `the situation read-only`.
+    fn place(&self) -> String {
+        let cases = self.cases.join(", ");
+        match self.situation {
+            Some(situation) if cases == "*" => format!("the situation {}", situation.answers().id),
+            Some(situation) => format!("{cases} in the situation {}", situation.answers().id),
+            None => cases,
+        }
+    }
+
+    fn subject_text(&self) -> String {
+        self.subject.map_or_else(|| "any object".to_owned(), |subject| subject.to_string())
     }
 
     fn deviation(&self) -> Deviation {
         let owner = self.owner.as_ref().map(|owner| format!(", {owner}")).unwrap_or_default();
         let until = self.expires.as_ref().map(|day| format!(", until {day}")).unwrap_or_default();
         Deviation {
-            case: self.case.clone(),
+            cases: self.cases.clone(),
             subject: self.subject,
+            situation: self.situation,
             does: self.does.clone(),
             documented: format!("waived: {} (line {}{owner}{until})", self.reason, self.line),
             by: Authority::Waiver { line: self.line },
@@ -190,15 +236,37 @@ impl Waiver {
 }
 
 fn waiver(line: usize, row: WaiverRow) -> Result<Waiver, String> {
-    let WaiverRow { case, object, does, reason, owner, expires } = row;
+    let WaiverRow { case, situation, object, does, reason, owner, expires } = row;
     if reason.trim().is_empty() {
         return Err("expected a reason: a waiver says why the breach is accepted".to_owned());
     }
-    catalogue::expect(&case)?;
-    let subject = object.parse().map_err(|error: BadSubject| error.to_string())?;
+    let cases = match case {
+        Some(OneOrMore::One(case)) => vec![case],
+        Some(OneOrMore::More(cases)) => cases,
+        None => vec!["*".to_owned()],
+    };
+    if cases.is_empty() {
+        return Err("expected a case: the list is empty".to_owned());
+    }
+    cases.iter().try_for_each(|case| catalogue::expect(case))?;
+    let situation = situation.map(|id| situation_of(&id)).transpose()?;
+    let subject = match &*object {
+        "*" => None,
+        object => Some(object.parse().map_err(|error: BadSubject| error.to_string())?),
+    };
+    if situation.is_none() && cases.iter().any(|case| case == "*") {
+        return Err("expected a case or a situation: a waiver must not excuse a behaviour everywhere".to_owned());
+    }
     let does = does.parse().map_err(|error: BadPattern| error.to_string())?;
     let expires = expires.map(day).transpose()?;
-    Ok(Waiver { line, case, subject, does, reason, owner, expires })
+    Ok(Waiver { line, cases, subject, situation, does, reason, owner, expires })
+}
+
+fn situation_of(id: &str) -> Result<Situation, String> {
+    let found = Situation::ALL.iter().copied().find(|situation| situation.answers().id == id);
+    found.ok_or_else(|| {
+        format!("no situation is called \"{id}\": `canvass test --write-waivers FILE` names those of what failed")
+    })
 }
 
 /// The line of a byte position, from 1.
