@@ -11,7 +11,7 @@ const DEVICES: [&str; 6] = [
     "sim:reference-301+boot-up-twice",
     "sim:reference-301+vendor-id-zero",
     "sim:reference-301+sdo-length-unchecked+boot-up-missing",
-    "sim:reference-406+heartbeat-twice-as-fast",
+    "sim:reference-406+heartbeat-period-doubled",
 ];
 
 /// With the reasons added, the entries excuse every failure of the next run, and each of them is used.

@@ -4,6 +4,7 @@ mod case;
 mod defects;
 mod delays;
 pub mod dictionary;
+mod front;
 mod host;
 mod json;
 mod judged;

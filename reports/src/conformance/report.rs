@@ -4,7 +4,7 @@ use super::case::{finding, rows_of};
 use super::defects::defects;
 use super::dictionary::{REPAIR, left, lines, rows, sentence};
 use super::skipped::Skipped;
-use super::{Run, host, is_bad, name_in_family, outcome, suites, symbol, tone};
+use super::{Run, front, host, is_bad, name_in_family, outcome, suites, symbol, tone};
 use crate::conformance::json;
 use crate::document::{
     Block, Cell, Code, Column, Depth, Document, Fact, PageParts, Report, Row, Section, Table, Tone, fact,
@@ -32,6 +32,9 @@ impl Report for Run {
             outcome: format!("{}, in {} on the bus", outcome(&self.summary, failures), self.summary.duration),
             tone: if is_good { Tone::Good } else { Tone::Bad },
             facts: if depth == Depth::Screen { Vec::new() } else { facts(self) },
+            head: front::head(self),
+            date: self.provenance.date.as_ref().map(|date| date.rfc3339.clone()).unwrap_or_default(),
+            front: if depth < Depth::Print { Vec::new() } else { front::sections(self) },
             summary: summary(self, depth),
             sections: sections(self, depth),
             about: Some(self.provenance.section(depth, true)),
@@ -101,7 +104,7 @@ fn sections(run: &Run, depth: Depth) -> Vec<Section> {
         sections.push(section("needed", "What other cases would need", not_needed));
     }
     sections.push(cases);
-    if depth == Depth::Paper {
+    if matches!(depth, Depth::Paper | Depth::Print) {
         sections.push(section("all", "All cases", vec![all(run)]));
     }
     sections

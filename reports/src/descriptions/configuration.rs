@@ -107,7 +107,7 @@ impl Report for ComparedConfigurations {
         let summary = format!("{} settings compared, {differences}", self.settings);
         let (title, outcome) = match depth {
             Depth::Screen => (String::new(), format!("{} and {}: {summary}", self.one, self.other)),
-            Depth::Paper | Depth::Page => (format!("{} and {}", self.one, self.other), summary),
+            Depth::Paper | Depth::Print | Depth::Page => (format!("{} and {}", self.one, self.other), summary),
         };
         let row = |differing: &DifferingSetting| {
             let [one, other] = differing.sides();

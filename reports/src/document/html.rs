@@ -14,7 +14,7 @@ use std::io::{self, Write};
 /// # Errors
 /// The errors of `out`.
 pub(super) fn render(document: &Document, out: &mut dyn Write) -> io::Result<()> {
-    let all = || document.sections.iter().chain(&document.about);
+    let all = || document.front.iter().chain(&document.sections).chain(&document.about);
     let titles: Vec<(&str, &str)> = all().map(|section| (section.id, &*section.title)).collect();
     let page = Page {
         title: &format!("{}: {}", printable(&document.title), document.command),

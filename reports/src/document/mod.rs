@@ -7,6 +7,8 @@
 pub mod html;
 pub mod junit;
 mod markdown;
+#[cfg(not(target_family = "wasm"))]
+mod pdf;
 pub(crate) mod sarif;
 mod text;
 
@@ -43,6 +45,8 @@ pub trait Report {
                 junit::write(command, &suites, out)
             }
             Form::Sarif => sarif::render(&self.document(Depth::Paper), out),
+            #[cfg(not(target_family = "wasm"))]
+            Form::Pdf { appendix } => pdf::render(&self.document(Depth::Print), appendix, out),
             Form::Json => self.json(out),
         }
     }
@@ -61,6 +65,12 @@ pub enum Form {
     Junit,
     /// SARIF for code hosts.
     Sarif,
+    /// PDF for paper, with or without everything after the first pages.
+    #[cfg(not(target_family = "wasm"))]
+    Pdf {
+        /// Whether the cases or findings follow in full.
+        appendix: bool,
+    },
     /// JSON for programs.
     Json,
 }
@@ -81,6 +91,8 @@ pub enum Depth {
     Screen,
     /// The facts that a ticket needs.
     Paper,
+    /// As on paper, with a first page to sign.
+    Print,
     /// All facts, for a page.
     Page,
 }
@@ -97,6 +109,12 @@ pub struct Document {
     pub outcome: String,
     pub tone: Tone,
     pub facts: Vec<Fact>,
+    /// The head of every printed page.
+    pub head: String,
+    /// The date of the result in the notation of RFC 3339; empty if it is unknown.
+    pub date: String,
+    /// The sections of a first page, which only HTML and PDF have.
+    pub front: Vec<Section>,
     /// The blocks after the facts.
     pub summary: Vec<Block>,
     pub sections: Vec<Section>,

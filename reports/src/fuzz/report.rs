@@ -36,6 +36,7 @@ impl Report for Run {
             about: Some(self.provenance.section(depth, true)),
             suites: vec![suite(self)],
             page: PageParts { footer: "Times are those of the bus.", ..PageParts::default() },
+            ..Document::default()
         }
     }
 
@@ -62,7 +63,7 @@ fn facts(run: &Run, depth: Depth) -> Vec<Fact> {
         fact("the bus", &trouble(run)),
         fact("at the end", &left(run)),
     ];
-    let repeat = (depth != Depth::Paper).then(|| fact("repeat with", &run.repeat));
+    let repeat = (!matches!(depth, Depth::Paper | Depth::Print)).then(|| fact("repeat with", &run.repeat));
     facts.into_iter().filter(|(_, value)| !value.is_empty()).chain(repeat).collect()
 }
 
@@ -75,7 +76,7 @@ fn never_done(run: &Run) -> String {
 /// The command that repeats the run, ready to copy. A Markdown table would escape its characters.
 fn repeat(run: &Run, depth: Depth) -> Vec<Block> {
     let command = || code("repeat with", "sh", run.repeat.clone());
-    (depth == Depth::Paper).then(command).into_iter().collect()
+    matches!(depth, Depth::Paper | Depth::Print).then(command).into_iter().collect()
 }
 
 fn finding(run: &Run, found: &Found, words: &Words, depth: Depth) -> Finding {

@@ -135,7 +135,9 @@ impl Provenance {
         let mut blocks = Vec::new();
         match depth {
             Depth::Screen => facts.extend(lines(&settings)),
-            Depth::Paper => facts.extend(settings.into_iter().map(|(name, value)| (format!("option {name}"), value))),
+            Depth::Paper | Depth::Print => {
+                facts.extend(settings.into_iter().map(|(name, value)| (format!("option {name}"), value)))
+            }
             Depth::Page if settings.is_empty() => {}
             Depth::Page => blocks.push(Block::fold("Options", vec![Block::Facts(settings)])),
         }

@@ -1,6 +1,6 @@
 //! `--format` and `--report`: the outputs of a run's events.
 
-use crate::output::{Color, document, is_seen, show_progress, terminal_width, unless_closed};
+use crate::output::{Color, document, is_seen, raw, show_progress, terminal_width, unless_closed};
 use crate::whole_file::WholeFile;
 use anyhow::{Context, Result, anyhow};
 use canvass_reports::conformance::{Reporter, RunReport};
@@ -9,7 +9,7 @@ use canvass_reports::provenance::Provenance;
 use canvass_suite::runner::RunEvent;
 use clap::ValueEnum;
 use std::cell::RefCell;
-use std::io::{self, Write};
+use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
 use std::rc::Rc;
 use std::str::FromStr;
@@ -31,9 +31,18 @@ pub enum ReportFormat {
     Markdown,
     /// For alerts of code hosts (SARIF 2.1.0)
     Sarif,
+    /// For paper: a first page to sign, and all details as an appendix
+    Pdf,
+    /// The first pages of the PDF alone
+    PdfSummary,
 }
 
 impl ReportFormat {
+    /// Whether the report is no text.
+    const fn is_binary(self) -> bool {
+        matches!(self, Self::Pdf | Self::PdfSummary)
+    }
+
     /// The form of a report in this format; text is printed in `style`.
     pub const fn form(self, style: Style) -> Form {
         match self {
@@ -43,6 +52,8 @@ impl ReportFormat {
             Self::Html => Form::Html,
             Self::Markdown => Form::Markdown,
             Self::Sarif => Form::Sarif,
+            Self::Pdf => Form::Pdf { appendix: true },
+            Self::PdfSummary => Form::Pdf { appendix: false },
         }
     }
 }
@@ -75,8 +86,9 @@ impl FromStr for ReportArg {
 
     fn from_str(text: &str) -> Result<Self> {
         let (format, file) = text.split_once('=').context("expected FORMAT=FILE, such as html=report.html")?;
-        let format = ReportFormat::from_str(format, false)
-            .map_err(|_| anyhow!("expected table, json, junit, html, markdown or sarif, found \"{format}\""))?;
+        let format = ReportFormat::from_str(format, false).map_err(|_| {
+            anyhow!("expected table, json, junit, html, markdown, sarif, pdf or pdf-summary, found \"{format}\"")
+        })?;
         Ok(Self { format, file: file.into() })
     }
 }
@@ -143,8 +155,18 @@ impl Shown {
 /// If the report can't be written.
 pub fn print(report: &dyn document::Report, format: ReportFormat) -> io::Result<()> {
     let style = Style { color: false, width: terminal_width() };
-    let mut out = document(false);
+    let mut out = of_stdout(format, false);
     unless_closed(report.write(format.form(style), &mut out).and_then(|()| out.flush()))
+}
+
+/// Standard output for a report: text is made harmless for a terminal.
+fn of_stdout(format: ReportFormat, colors: bool) -> Box<dyn Write> {
+    if format.is_binary() { Box::new(raw()) } else { Box::new(document(colors)) }
+}
+
+/// A file for a report: text is made harmless for a terminal.
+fn of_file(format: ReportFormat, file: &WholeFile) -> Result<Box<dyn Write>> {
+    Ok(if format.is_binary() { Box::new(BufWriter::new(file.writer()?)) } else { Box::new(file.document()?) })
 }
 
 /// Writes a report into a file.
@@ -152,7 +174,7 @@ pub fn print(report: &dyn document::Report, format: ReportFormat) -> io::Result<
 /// # Errors
 /// If the file can't be written.
 pub fn write_file(report: &dyn document::Report, format: ReportFormat, file: WholeFile) -> Result<()> {
-    let mut out = file.document()?;
+    let mut out = of_file(format, &file)?;
     report
         .write(format.form(Style::default()), &mut out)
         .and_then(|()| out.flush())
@@ -198,13 +220,13 @@ impl Reports {
     /// Creates all files before the device is touched, so that an unwritable path is reported at once.
     pub fn open(shown: &Shown, color: Color) -> Result<Self> {
         let (format, style) = (shown.of_stdout()?, Style { color: color.on_stdout(), width: terminal_width() });
-        let of_stdout = reporter(format, Box::new(document(style.color)), style);
+        let of_stdout = reporter(format, of_stdout(format, style.color), style);
         let is_watched = is_seen() && format == ReportFormat::Table;
         let of_stdout = if is_watched { of_stdout.with_progress(show_progress) } else { of_stdout };
         let mut reports = vec![Report { reporter: Box::new(of_stdout), file: None, written: Ok(()) }];
         for ReportArg { format, file } in shown.in_files() {
             let file = WholeFile::create(file)?;
-            let reporter = Box::new(reporter(*format, Box::new(file.document()?), Style::default()));
+            let reporter = Box::new(reporter(*format, of_file(*format, &file)?, Style::default()));
             reports.push(Report { reporter, file: Some(file), written: Ok(()) });
         }
         Ok(Self(reports))

@@ -31,7 +31,7 @@ fn section(compared: &Compared, class: Class, depth: Depth) -> Option<Section> {
     }
     let blocks = match depth {
         Depth::Screen => kinds.iter().map(|(kind, differences)| finding(kind, differences)).collect(),
-        Depth::Paper | Depth::Page => {
+        Depth::Paper | Depth::Print | Depth::Page => {
             let rows = kinds.iter().flat_map(|(kind, differences)| differences.iter().map(|one| row(kind, one)));
             let table = Table::of(["what", "where", "old", "new"], rows);
             let why = kinds.iter().map(|(kind, _)| format!("{} ({}): {}", kind.title(), kind.id, kind.why()));

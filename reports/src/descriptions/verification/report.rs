@@ -12,7 +12,7 @@ impl Report for Verification {
         let device = format!("node {} on {}", self.node, self.bus);
         let (title, outcome) = match depth {
             Depth::Screen => (String::new(), format!("{}, {device}: {}", self.file, self.summary())),
-            Depth::Paper | Depth::Page => (format!("{} and {device}", self.file), self.summary()),
+            Depth::Paper | Depth::Print | Depth::Page => (format!("{} and {device}", self.file), self.summary()),
         };
         Document {
             command: "eds verify",
