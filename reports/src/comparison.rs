@@ -25,11 +25,12 @@ const NOTICEABLE_NS: u64 = 1_000_000;
 
 impl Direction {
     /// All directions, the worst first.
-    pub const ALL: [Self; 3] = [Self::Worse, Self::Better, Self::Other];
+    pub const ALL: [Self; 4] = [Self::Worse, Self::Waived, Self::Better, Self::Other];
 
     const fn title(self) -> &'static str {
         match self {
             Self::Worse => "Worse",
+            Self::Waived => "Waived since",
             Self::Better => "Better",
             Self::Other => "Other changes",
         }
@@ -39,6 +40,7 @@ impl Direction {
     pub const fn name(self) -> &'static str {
         match self {
             Self::Worse => "worse",
+            Self::Waived => "waived",
             Self::Better => "better",
             Self::Other => "other",
         }
@@ -48,7 +50,9 @@ impl Direction {
 /// All differences, the worst first.
 #[derive(Clone, PartialEq, Eq, Debug, Default)]
 pub struct Comparison {
-    /// All differences: regressions first, then improvements, then the rest.
+    /// The names of the two releases; empty if they are unknown.
+    pub releases: [String; 2],
+    /// All differences: regressions first, then what is waived since, improvements, and the rest.
     pub changes: Vec<Change>,
     /// The provenance of the comparison.
     pub provenance: Provenance,
@@ -97,7 +101,7 @@ pub fn compare(old: &TestResult, new: &TestResult, missing: Missing) -> Comparis
     changes.extend(identity(old, new));
     changes.extend(dictionary(old, new));
     changes.sort_by_key(|change| change.direction);
-    Comparison { changes, provenance: Provenance::default() }
+    Comparison { changes, ..Comparison::default() }
 }
 
 /// A cancelled run says nothing about the remaining cases, which counts as worse.
@@ -116,6 +120,10 @@ fn verdicts(old: &TestResult, new: &TestResult, missing: Missing) -> Vec<Change>
             (Some(old), Some(new)) if old == new => return None,
             // A case in quarantine is shown, but does not count.
             _ if new.is_some_and(|case| case.quarantine.is_some()) => Direction::Other,
+            // A failure that somebody accepts is not mended.
+            (Some(Kind::Fail), Some(Kind::Deviation)) if new.is_some_and(|case| case.waiver_line.is_some()) => {
+                Direction::Waived
+            }
             (Some(old), Some(new)) => match new.badness().cmp(&old.badness()) {
                 Ordering::Greater => Direction::Worse,
                 Ordering::Less => Direction::Better,
@@ -128,7 +136,11 @@ fn verdicts(old: &TestResult, new: &TestResult, missing: Missing) -> Vec<Change>
         };
         let name = |case: &Case| case.verdict.0.name().to_owned();
         let change = Change::other("verdict", id, old.map(name), new.map(name));
-        Some(Change { direction, reason: new.and_then(why), ..change })
+        let reason = match direction {
+            Direction::Waived => new.and_then(|case| case.documented.clone()),
+            _ => new.and_then(why),
+        };
+        Some(Change { direction, reason, ..change })
     })
 }
 
@@ -271,6 +283,25 @@ mod tests {
             compare(&old, &result("pass", "1.0", 100_500_000, "0000"), Missing::Worse).changes.is_empty(),
             "jitter"
         );
+    }
+
+    /// A failure that a waiver excuses in the new release is not called better; one that the manual excuses is.
+    #[test]
+    fn what_is_waived_is_not_mended() {
+        let old = result("fail", "1.0", 1, "00");
+        let mut waived = result("deviation", "1.0", 1, "00");
+        waived.cases[0].waiver_line = Some(3);
+        waived.cases[0].documented = Some("waived: ticket 4711".to_owned());
+        let compared = compare(&old, &waived, Missing::Worse);
+        assert_eq!(compared.changes[0].direction, Direction::Waived);
+        let text = text_of(&compared);
+        assert!(text.contains("Waived since") || text.contains("waived"), "{text}");
+        assert!(text.contains("waived: ticket 4711") && !text.contains("better"), "{text}");
+        assert_eq!(
+            compare(&old, &result("deviation", "1.0", 1, "00"), Missing::Worse).changes[0].direction,
+            Direction::Better
+        );
+        assert!(compare(&waived, &old, Missing::Worse).has_regressions(), "the waiver is gone");
     }
 
     #[test]

@@ -51,6 +51,7 @@ impl Args {
             read(&path).map(|result| (release(name, &result, &path), result))
         });
         comparison.recall(&earlier.collect::<anyhow::Result<Vec<_>>>()?);
+        comparison.releases = [release(None, &old, &self.old), release(None, &new, &self.new)];
         comparison.provenance = provenance.0;
         self.shown.write(&comparison)?;
         Ok(if comparison.has_regressions() { Status::Findings } else { Status::Good })

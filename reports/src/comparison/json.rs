@@ -12,12 +12,12 @@ use std::io::{self, Write};
 /// The errors of `out`.
 pub fn render(comparison: &Comparison, out: &mut dyn Write) -> io::Result<()> {
     let count = |direction| comparison.of(direction).count();
-    let (better, other, worse) = (count(Direction::Better), count(Direction::Other), count(Direction::Worse));
+    let [worse, waived, better, other] = Direction::ALL.map(count);
     let result = CompareResult {
         changes: comparison.changes.clone(),
         provenance: provenance::json(&comparison.provenance),
         schema: CompareResult::SCHEMA.into(),
-        summary: Summary { better, other, worse },
+        summary: Summary { better, other, waived, worse },
     };
     results::write(&result, out)
 }

@@ -13,7 +13,10 @@ impl Report for Comparison {
         Document {
             command: "compare",
             kind: "CANopen conformance",
-            title: "What the release changed".to_owned(),
+            title: match &self.releases {
+                [old, new] if !old.is_empty() && !new.is_empty() => format!("What changed from {old} to {new}"),
+                _ => "What the release changed".to_owned(),
+            },
             outcome: self.outcome(),
             tone: if self.has_regressions() { Tone::Bad } else { Tone::Good },
             sections: present.map(|direction| section(self, direction)).collect(),
@@ -62,6 +65,8 @@ fn case(change: &Change) -> Case {
             message: told,
             details: change.why().into_iter().collect(),
         })),
-        Direction::Better | Direction::Other => case.remarked(format!("{}: {told}", change.subject)),
+        Direction::Waived | Direction::Better | Direction::Other => {
+            case.remarked(format!("{}: {told}", change.subject))
+        }
     }
 }

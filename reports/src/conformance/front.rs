@@ -131,9 +131,16 @@ fn shortened(text: &str) -> String {
     }
 }
 
+/// What a waiver or the manual excuses: the behaviours, and the cases that show them.
+#[derive(Default)]
+struct Excused<'a> {
+    what: BTreeSet<String>,
+    cases: BTreeSet<&'a str>,
+}
+
 /// What is excused: by a waiver, with its reason, owner and end, or by the manual of the device.
 fn excused(run: &Run) -> Option<Table> {
-    let mut by: BTreeMap<(Option<usize>, &str), (BTreeSet<String>, BTreeSet<&str>)> = BTreeMap::new();
+    let mut by: BTreeMap<(Option<usize>, &str), Excused<'_>> = BTreeMap::new();
     for report in &run.cases {
         for ruled in report.verdict.breaches() {
             let Some(excuse) = &ruled.excuse else { continue };
@@ -141,12 +148,12 @@ fn excused(run: &Run) -> Option<Table> {
                 Authority::Waiver { line } => Some(line),
                 Authority::Manual => None,
             };
-            let (what, cases) = by.entry((line, &*excuse.documented)).or_default();
-            what.insert(format!("{}: {}", ruled.breach.subject, ruled.breach.actual));
-            cases.insert(report.case.id);
+            let excused = by.entry((line, &*excuse.documented)).or_default();
+            excused.what.insert(format!("{}: {}", ruled.breach.subject, ruled.breach.actual));
+            excused.cases.insert(report.case.id);
         }
     }
-    let rows = by.into_iter().map(|((line, documented), (what, cases))| {
+    let rows = by.into_iter().map(|((line, documented), Excused { what, cases })| {
         let authority = if line.is_some() { "waiver" } else { "manual" };
         let what: Vec<String> = what.into_iter().collect();
         let what = match &what[..] {

@@ -136,7 +136,7 @@ impl Provenance {
         match depth {
             Depth::Screen => facts.extend(lines(&settings)),
             Depth::Paper | Depth::Print => {
-                facts.extend(settings.into_iter().map(|(name, value)| (format!("option {name}"), value)))
+                facts.extend(settings.into_iter().map(|(name, value)| (format!("option {name}"), value)));
             }
             Depth::Page if settings.is_empty() => {}
             Depth::Page => blocks.push(Block::fold("Options", vec![Block::Facts(settings)])),

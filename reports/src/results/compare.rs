@@ -20,6 +20,9 @@ pub struct CompareResult {
 pub struct Summary {
     pub better: usize,
     pub other: usize,
+    /// Cases that failed before and that a waiver excuses now.
+    #[serde(default)]
+    pub waived: usize,
     pub worse: usize,
 }
 
@@ -47,6 +50,8 @@ pub struct Change {
 pub enum Direction {
     /// The new value is worse.
     Worse,
+    /// The case failed before, and a waiver excuses it now.
+    Waived,
     /// The new value is better.
     Better,
     /// The new value is neither worse nor better.
