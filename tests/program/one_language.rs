@@ -67,7 +67,7 @@ fn a_dash_is_standard_output() {
     let json = there(&[&test[..], &["--report", "json=-", "--report", "json=old.json"]].concat());
     assert!(json.status == 0 && json.stdout.starts_with("{\n  \"schema\": \"canvass/test/1\""), "{}", json.stdout);
     assert_eq!(json.stdout, std::fs::read_to_string(folder.path().join(old)).unwrap());
-    assert!(there(&["compare", old, old, "--report", "markdown=-"]).stdout.starts_with("# What the release changed"));
+    assert!(there(&["compare", old, old, "--report", "markdown=-"]).stdout.starts_with("# What changed from "));
     assert!(there(&["history", old, "--report", "json=-"]).stdout.contains("canvass/history/1"));
     assert!(
         there(&["fuzz", "sim:reference-301", "--runs", "2", "--report", "json=-"]).stdout.contains("canvass/fuzz/1")

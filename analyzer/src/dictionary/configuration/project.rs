@@ -5,7 +5,7 @@
 //! NetName=line 3
 //! Nodes=0x01
 //! Node5Present=0x01
-//! Node5Name=encoder
+//! Node5Name=press
 //! Node5DCFName=node5.dcf
 //! ```
 
@@ -120,7 +120,7 @@ mod tests {
     #[test]
     fn a_project_is_read_as_written() {
         let node = |name: &str, dcf: &str| ProjectNode { name: name.to_owned(), dcf: dcf.to_owned() };
-        let nodes = [(5, node("encoder", "node5.dcf")), (127, node("", "last.dcf"))];
+        let nodes = [(5, node("press", "node5.dcf")), (127, node("", "last.dcf"))];
         let nodes = nodes.into_iter().map(|(raw, node)| (NodeId::new(raw).unwrap(), node)).collect();
         let project = Project { name: "line 3".to_owned(), nodes };
         assert_eq!(Project::read(project.text().as_bytes()), Ok(project));

@@ -4,7 +4,7 @@ use super::flow::{HEIGHT, MARGIN, Mark, WIDTH};
 use super::fonts::{Fonts, Typeface};
 use crate::document::{Document, Tone};
 use crate::escape::printable;
-use crate::provenance::VERSION;
+
 use krilla::SerializeSettings;
 use krilla::color::rgb;
 use krilla::configure::{Archival, ConfigurationBuilder};
@@ -17,14 +17,21 @@ use krilla::text::TextDirection;
 use std::fmt::Debug;
 use std::io;
 
+/// The version of canvass.
+const VERSION: &str = env!("CARGO_PKG_VERSION");
 /// The size of head and foot.
 const SIZE: f32 = 7.5;
 /// The thickness of lines.
 const HAIR: f32 = 0.4;
 
 pub(super) fn draw(pages: &[Vec<Mark>], fonts: &Fonts, document: &Document) -> io::Result<Vec<u8>> {
-    let configuration = ConfigurationBuilder::new().with_archival_validator(Archival::A2_B).finish();
-    let configuration = configuration.map_err(|error| failed(&error))?;
+    // PDF/A asks for a date. A result without one is a PDF of the same look.
+    let builder = ConfigurationBuilder::new();
+    let builder = match date(&document.date) {
+        Some(_) => builder.with_archival_validator(Archival::A2_B),
+        None => builder,
+    };
+    let configuration = builder.finish().map_err(|error| failed(&error))?;
     let mut pdf = krilla::Document::new_with(SerializeSettings { configuration, ..SerializeSettings::default() });
     pdf.set_metadata(metadata(document));
     let settings = PageSettings::from_wh(WIDTH, HEIGHT).ok_or_else(|| io::Error::other("a page of no size"))?;

@@ -82,7 +82,7 @@ impl Fonts {
                     line.push(c);
                     if !fits(&line) && line.chars().count() > 1 {
                         line.pop();
-                        lines.push(std::mem::replace(&mut line, c.to_string()));
+                        lines.push(std::mem::replace(&mut line, c.to_string()).trim_end().to_owned());
                     }
                 }
             }

@@ -1,4 +1,4 @@
-//! A document as PDF on A4: PDF/A-2b with its fonts, the same bytes for the same document.
+//! A document as PDF on A4 with its fonts, the same bytes for the same document; PDF/A-2b if the result has a date.
 //!
 //! A document is laid out first ([`flow`], [`blocks`], [`table`]), so that the head of each page can say how many there
 //! are, and then drawn ([`draw`]).
