@@ -16,7 +16,7 @@ pub struct Typed {
 
 /// Options that do not affect the result: they concern outputs, or the provenance holds their values elsewhere. Runs
 /// that differ only in these options have the same result.
-const OF_NO_CONSEQUENCE: [&str; 20] = [
+const OF_NO_CONSEQUENCE: [&str; 21] = [
     "help",
     "bus",
     "old",
@@ -32,6 +32,7 @@ const OF_NO_CONSEQUENCE: [&str; 20] = [
     "quality_out",
     "bundle",
     "record",
+    "write_waivers",
     "note",
     "date",
     "dry_run",

@@ -81,6 +81,8 @@ mod pages;
 #[cfg(test)]
 mod pcan;
 #[cfg(test)]
+mod printed;
+#[cfg(test)]
 #[cfg(unix)] // it is shown on pseudo-terminals
 mod progress;
 #[cfg(test)]

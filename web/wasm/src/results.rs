@@ -21,6 +21,7 @@ pub struct ChosenResult {
 pub fn comparison(old: &ChosenResult, new: &ChosenResult, surroundings: &Surroundings) -> Result<Vec<u8>, String> {
     let (older, newer) = (old.read()?, new.read()?);
     let mut comparison = compare(&older, &newer, Missing::default());
+    comparison.releases = [release(old, &older), release(new, &newer)];
     comparison.provenance = surroundings.of_comparison();
     for (role, chosen, result) in [("old", old, &older), ("new", new, &newer)] {
         comparison.provenance.files.push(used(role, &chosen.name, &chosen.bytes));
@@ -39,8 +40,7 @@ pub fn history(results: &[ChosenResult], surroundings: &Surroundings) -> Result<
     let mut releases: Vec<Release> = Vec::new();
     for chosen in results {
         let result = chosen.read()?;
-        let stem = chosen.name.rsplit_once('.').map_or(&*chosen.name, |(stem, _)| stem);
-        let name = result.note("release").unwrap_or(stem).to_owned();
+        let name = release(chosen, &result);
         match releases.iter_mut().find(|known| known.name == name) {
             Some(known) => known.results.push(result),
             None => releases.push(Release { name, results: vec![result] }),
@@ -52,6 +52,12 @@ pub fn history(results: &[ChosenResult], surroundings: &Surroundings) -> Result<
     let mut page = Vec::new();
     history.write(Form::Html, &mut page).map_err(|error| error.to_string())?;
     Ok(page)
+}
+
+/// The name of a release: as the result notes it, else the name of the file.
+fn release(chosen: &ChosenResult, result: &TestResult) -> String {
+    let stem = chosen.name.rsplit_once('.').map_or(&*chosen.name, |(stem, _)| stem);
+    result.note("release").unwrap_or(stem).to_owned()
 }
 
 impl ChosenResult {
