@@ -3,7 +3,7 @@
 use crate::output::diagnostic;
 use anyhow::{Context, Result, anyhow, bail};
 use canvass_analyzer::dictionary::{DeviceDescription, EdsProblem, KnownDevice, Severity};
-use canvass_analyzer::{NodeId, NodeRange};
+use canvass_analyzer::{NodeId, NodeRange, meant};
 use canvass_device::models::Model;
 use canvass_traces::small_file::{self, OF_HAND};
 use std::path::Path;
@@ -44,7 +44,8 @@ pub fn describe(device: &str) -> Result<KnownDevice> {
     }
     let path = Path::new(device);
     if !path.exists() {
-        bail!("\"{device}\" is neither a built-in model (`canvass list models`) nor a file");
+        let meant = meant(device, Model::all().iter().map(Model::id));
+        bail!("\"{device}\" is neither a built-in model (`canvass list models`) nor a file{meant}");
     }
     let description = read(path)?;
     tell_problems(path, &description.problems);

@@ -70,10 +70,19 @@ impl<E: Into<anyhow::Error>> From<E> for Failure {
     }
 }
 
+/// Whether a file is a device description by its name.
+fn is_description(name: &str) -> bool {
+    let ending = name.rsplit('.').next().unwrap_or_default().to_ascii_lowercase();
+    ["eds", "dcf", "xdd", "xdc"].contains(&&*ending)
+}
+
 /// The option that helps against an error. The program adds this advice, since its libraries do not know its options.
 fn advice(cause: &(dyn std::error::Error + 'static)) -> Option<&'static str> {
-    if let Some(OpenError::Unknown { .. }) = cause.downcast_ref() {
-        return Some("if you know which, use --format-in");
+    if let Some(OpenError::Unknown { name }) = cause.downcast_ref() {
+        return Some(match is_description(name) {
+            true => "a device description is given by --device NODE=FILE; `canvass eds show` shows it",
+            false => "if you know which, use --format-in",
+        });
     }
     if let Some(BusError::Interrupted { .. }) = cause.downcast_ref() {
         return Some("--reconnect-timeout sets how long to wait");

@@ -5,6 +5,7 @@ use crate::status::{Failure, Status};
 use anyhow::anyhow;
 use canvass_analyzer::dictionary::rules;
 use canvass_analyzer::findings;
+use canvass_analyzer::meant;
 use canvass_device::models::Model;
 use canvass_device::{Fault, Liberty};
 use canvass_reports::answers;
@@ -46,8 +47,9 @@ impl Args {
             .or_else(|| Format::by_id(id).map(format))
             .or_else(|| codes::explain(id, self.profile))
             .ok_or_else(|| {
+                let meant = meant(id, ids());
                 anyhow!(
-                    "nothing has the id \"{id}\": `canvass list \
+                    "nothing has the id \"{id}\"{meant}: `canvass list \
                      cases|situations|models|faults|liberties|rules|eds-rules|properties|formats` lists all; codes have \
                      four or eight hexadecimal digits (8140h, \"0604 0041h\")"
                 )
@@ -55,6 +57,15 @@ impl Args {
         print(&Printable::document(&text))?;
         Ok(Status::Good)
     }
+}
+
+/// The ids of everything but codes.
+fn ids() -> impl Iterator<Item = &'static str> {
+    let cases = catalogue::cases().into_iter().map(|case| case.id);
+    let behaviour = Fault::ALL.iter().map(|fault| fault.id()).chain(Liberty::ALL.iter().map(|liberty| liberty.id()));
+    let situations = Situation::ALL.iter().map(|situation| situation.id());
+    let others = Model::all().iter().map(Model::id).chain(Format::all().map(Format::id));
+    cases.chain(behaviour).chain(situations).chain(rules::all().map(|rule| rule.id)).chain(others)
 }
 
 /// The non-empty rows in two columns.

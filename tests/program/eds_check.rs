@@ -206,3 +206,32 @@ fn a_difference_without_a_change_has_status_0() {
     let change = run(&["eds", "check", &path, "--diff", "--select", "eds/file/comment-count"]);
     assert!(change.status == 1 && change.stdout.contains("\n+Lines=1\n"), "{}", change.stdout);
 }
+
+/// Findings that an earlier check had are known, wherever their lines have moved; a new one still fails.
+#[test]
+fn a_baseline_leaves_new_findings() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let (eds, baseline) = (path("device.eds"), path("known.sarif"));
+    let wrong = "[FileInfo]\nFileName=device.eds\n[DeviceInfo]\nVendorName=x\n[MandatoryObjects]\nSupportedObjects=1\n\
+        1=0x1000\n[1000]\nParameterName=Device type\nDataType=0x0099\nAccessType=ro\n";
+    std::fs::write(&eds, wrong).unwrap();
+    let sarif = run(&["eds", "check", &eds, "--fail-on", "hint", "--format", "sarif"]);
+    assert_eq!(sarif.status, 1, "{}", sarif.stderr);
+    std::fs::write(&baseline, &sarif.stdout).unwrap();
+    let known = ["eds", "check", &eds, "--fail-on", "hint", "--baseline", &baseline];
+    let same = run(&known);
+    assert_eq!(same.status, 0, "{}", same.stdout);
+    // The lines move, and another object is wrong.
+    std::fs::write(&eds, format!("; a comment\n; another one\n{wrong}")).unwrap();
+    assert_eq!(run(&known).status, 0, "{}", run(&known).stdout);
+    let more = format!(
+        "{wrong}[OptionalObjects]\nSupportedObjects=1\n1=0x1017\n[1017]\nParameterName=Heartbeat\n\
+        DataType=0x0006\nAccessType=sometimes\n"
+    );
+    std::fs::write(&eds, more).unwrap();
+    let new = run(&known);
+    assert!(new.status == 1 && new.stdout.contains("sometimes") && !new.stdout.contains("0x0099"), "{}", new.stdout);
+    let refused = run(&["eds", "check", &eds, "--baseline", &eds]);
+    assert!(refused.status == 2 && refused.stderr.contains("expected SARIF"), "{}", refused.stderr);
+}

@@ -179,3 +179,20 @@ fn the_result_ends_with_what_failed() {
     assert!(last[1].contains("expected boot-up, found"), "{last:?}");
     assert_eq!(last[0].trim(), "the same: 301/boot-up/reset-node", "{shown}");
 }
+
+/// A misspelt name is asked for, and a description that is taken for a capture says what it is for.
+#[test]
+fn mistakes_are_understood() {
+    for (args, says) in [
+        (&["explain", "301/sdo/downlod/read-only"][..], "(is 301/sdo/download/read-only meant?)"),
+        (&["test", "sim:reference-301+boot-up-twise"], "(is boot-up-twice meant?)"),
+        (
+            &["sdo", "read", "sim:reference-301", "10", "1000", "--device", "kubler-sendix-58x8"],
+            "(is kuebler-sendix-58x8 meant?)",
+        ),
+        (&["decode", "conformance/device/models/tr-c65.eds"], "--device NODE=FILE"),
+    ] {
+        let refused = run(args);
+        assert!(refused.status == 2 && refused.stderr.contains(says), "{args:?}: {}", refused.stderr);
+    }
+}

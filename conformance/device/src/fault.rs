@@ -6,6 +6,7 @@ pub use unfuzzed::Unfuzzed;
 
 use Fuzz::{Allowed, Found, Never};
 use Unfuzzed::*;
+use canvass_analyzer::meant;
 use canvass_macros::Catalogue;
 use std::fmt;
 use std::str::FromStr;
@@ -1481,7 +1482,7 @@ impl fmt::Display for Fault {
 
 /// There is no fault of that name.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
-#[error("no fault is called \"{0}\": `canvass list faults` shows them")]
+#[error("no fault is called \"{0}\"{hint}: `canvass list faults` shows them", hint = meant(.0, Fault::ALL.iter().map(|fault| fault.id())))]
 pub struct UnknownFault(pub String);
 
 impl FromStr for Fault {

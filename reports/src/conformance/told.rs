@@ -1,6 +1,7 @@
 //! The texts and values that all reports show for a breach, and for the reason why a case ended early.
 
 use canvass_suite::runner::CaseReport;
+use canvass_suite::situation::Situation;
 use canvass_suite::verdict::{Authority, Excuse, Kind, Reason, Ruled};
 use canvass_traces::Timestamp;
 
@@ -46,7 +47,7 @@ impl Told {
 
     fn of(ruled: &Ruled) -> Self {
         let breach = &ruled.breach;
-        let situation = breach.row().map(|row| row.answers().id);
+        let situation = breach.row().map(Situation::id);
         let named = Named { subject: breach.subject.to_string(), does: breach.actual.to_string(), situation };
         let reason = Reason::from(breach);
         let (excuse, seen) = (ruled.excuse.clone(), breach.seen);

@@ -3,6 +3,7 @@
 pub mod configuration;
 pub mod dbc;
 pub mod difference;
+mod fingerprint;
 pub mod github;
 pub mod json;
 mod report;
@@ -12,6 +13,7 @@ pub mod show;
 pub mod text;
 pub mod verification;
 
+pub use fingerprint::{BadBaseline, Baseline};
 pub use report::CheckedFiles;
 
 use crate::escape::printable;
@@ -40,6 +42,8 @@ pub struct Located {
     pub end_column: u32,
     /// The changes that fix the finding.
     pub edits: Vec<LocatedEdit>,
+    /// Whether a baseline has the finding.
+    pub is_known: bool,
 }
 
 /// A change of the text, with its place in lines and columns, counted from 1. The end is the first character that
@@ -66,13 +70,13 @@ impl CheckedFile {
                 end: source.position(edit.range.end),
                 text: edit.text.clone(),
             });
-            Located { finding: finding.clone(), end_line, end_column, edits: edits.collect() }
+            Located { finding: finding.clone(), end_line, end_column, edits: edits.collect(), is_known: false }
         };
         let findings = checked.findings.iter().filter(|finding| wanted(finding)).map(located).collect();
         Self { name: name.to_owned(), findings }
     }
 
-    /// The findings that the file itself does not waive.
+    /// The findings that neither the file nor a baseline waives.
     pub fn open(&self) -> impl Iterator<Item = &Located> {
         self.findings.iter().filter(|located| located.finding.waived.is_none())
     }
@@ -104,7 +108,7 @@ pub struct Counts {
     pub errors: usize,
     pub warnings: usize,
     pub hints: usize,
-    /// Number of findings that the files waive.
+    /// Number of findings that the files or a baseline waive.
     pub waived: usize,
     /// Number of findings that are not waived and can be fixed without guessing.
     pub fixable: usize,

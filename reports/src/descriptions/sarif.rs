@@ -1,5 +1,6 @@
 //! SARIF 2.1.0, which code hosts and editors show beside the lines.
 
+use super::fingerprint::{NAME, fingerprints};
 use super::{CheckedFile, Located, LocatedEdit};
 use crate::document::sarif::{log, uri};
 use canvass_analyzer::dictionary::{Rule, Severity, rules};
@@ -7,8 +8,11 @@ use serde_json::{Value, json};
 
 /// The findings in all files.
 pub fn document(files: &[CheckedFile]) -> Value {
-    let results: Vec<Value> =
-        files.iter().flat_map(|file| file.findings.iter().map(|located| result(file, located))).collect();
+    let of_file = |file: &CheckedFile| -> Vec<Value> {
+        let fingerprints = fingerprints(file).into_iter();
+        file.findings.iter().zip(fingerprints).map(|(located, print)| result(file, located, &print)).collect()
+    };
+    let results: Vec<Value> = files.iter().flat_map(of_file).collect();
     let mut log = log(&rules::all().map(rule).collect::<Vec<_>>(), &results);
     log["runs"][0]["columnKind"] = json!("unicodeCodePoints");
     log
@@ -33,7 +37,7 @@ fn rule(rule: &Rule) -> Value {
     })
 }
 
-fn result(file: &CheckedFile, located: &Located) -> Value {
+fn result(file: &CheckedFile, located: &Located, fingerprint: &str) -> Value {
     let finding = &located.finding;
     let artifact = json!({ "uri": uri(&file.name) });
     let mut physical = json!({ "artifactLocation": artifact });
@@ -51,9 +55,11 @@ fn result(file: &CheckedFile, located: &Located) -> Value {
         "level": level(finding.severity()),
         "message": { "text": located.message() },
         "locations": [{ "physicalLocation": physical }],
+        "partialFingerprints": { NAME: fingerprint },
     });
     if let Some(reason) = &finding.waived {
-        result["suppressions"] = json!([{ "kind": "inSource", "justification": reason }]);
+        let kind = if located.is_known { "external" } else { "inSource" };
+        result["suppressions"] = json!([{ "kind": kind, "justification": reason }]);
     }
     if let (Some(fix), false) = (&finding.fix, located.edits.is_empty()) {
         let replacements: Vec<Value> = located.edits.iter().map(replacement).collect();

@@ -179,6 +179,23 @@ fn canalyst() {
     assert_eq!(given.records[1].timestamp - given.records[0].timestamp, Duration::from_millis(1));
 }
 
+/// Semicolons between numbers separate columns; one behind a frame begins a remark.
+#[test]
+fn semicolons_between_columns() {
+    gives(
+        "605 ; 8 ; 40 00 10 00 00 00 00 00\n585 ; 8 ; 43 00 10 00 96 01 0A 00\n",
+        &["605#4000100000000000", "585#4300100096010A00"],
+    );
+    gives(
+        "0.100000 ; 605 ; 8 ; 40 00 10 00 00 00 00 00\n0.102000 ; 585 ; 8 ; 43 00 10 00 96 01 0A 00\n",
+        &["605#4000100000000000", "585#4300100096010A00"],
+    );
+    gives(
+        "605 8 40 00 10 00 00 00 00 00 ; 1000h ; 5\n585 8 43 00 10 00 96 01 0A 00 ; answer; device 5\n",
+        &["605#4000100000000000", "585#4300100096010A00"],
+    );
+}
+
 #[test]
 fn identifier_and_bytes() {
     gives("605 40 00 10 00 00 00 00 00\n585 43 00 10 00 92 01 02 00\n705 05\n080\n", &[REQUEST, ANSWER, BEAT, "080#"]);

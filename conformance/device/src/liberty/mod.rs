@@ -12,6 +12,7 @@ pub use catalogue::Liberty;
 pub(crate) use description::{changes_text, rewrite};
 pub(crate) use dictionary::apply;
 
+use canvass_analyzer::meant;
 use std::fmt;
 use std::str::FromStr;
 
@@ -77,7 +78,7 @@ impl fmt::Display for Liberty {
 
 /// No liberty has this name.
 #[derive(Clone, PartialEq, Eq, Debug, thiserror::Error)]
-#[error("no liberty is called \"{0}\": `canvass list liberties` shows them")]
+#[error("no liberty is called \"{0}\"{hint}: `canvass list liberties` shows them", hint = meant(.0, Liberty::ALL.iter().map(|liberty| liberty.id())))]
 pub struct UnknownLiberty(pub String);
 
 impl FromStr for Liberty {

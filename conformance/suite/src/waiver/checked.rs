@@ -66,7 +66,7 @@ impl Waiver {
 
     /// Whether case, situation, object and behaviour of a breach are those of the waiver.
     fn matched(&self, breach: &Found) -> [bool; 4] {
-        let situation = self.situation.map(|situation| situation.answers().id);
+        let situation = self.situation.map(|situation| situation.id());
         [
             self.is_for(&breach.case),
             situation.is_none() || breach.situation.as_deref() == situation,

@@ -211,8 +211,8 @@ impl Waiver {
     fn place(&self) -> String {
         let cases = self.cases.join(", ");
         match self.situation {
-            Some(situation) if cases == "*" => format!("the situation {}", situation.answers().id),
-            Some(situation) => format!("{cases} in the situation {}", situation.answers().id),
+            Some(situation) if cases == "*" => format!("the situation {}", situation.id()),
+            Some(situation) => format!("{cases} in the situation {}", situation.id()),
             None => cases,
         }
     }
@@ -263,10 +263,8 @@ fn waiver(line: usize, row: WaiverRow) -> Result<Waiver, String> {
 }
 
 fn situation_of(id: &str) -> Result<Situation, String> {
-    let found = Situation::ALL.iter().copied().find(|situation| situation.answers().id == id);
-    found.ok_or_else(|| {
-        format!("no situation is called \"{id}\": `canvass test --write-waivers FILE` names those of what failed")
-    })
+    let unknown = || format!("no situation is called \"{id}\": `canvass list situations` shows them");
+    Situation::by_id(id).ok_or_else(unknown)
 }
 
 /// The line of a byte position, from 1.

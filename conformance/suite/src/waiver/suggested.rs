@@ -88,7 +88,7 @@ impl Entry<'_> {
         text.push_str("[[waiver]]\n");
         match self.situation {
             Some(situation) => {
-                let _ = writeln!(text, "situation = \"{}\"", situation.answers().id);
+                let _ = writeln!(text, "situation = \"{}\"", situation.id());
             }
             None => {
                 let list: Vec<String> = cases.iter().map(|case| quoted(case)).collect();

@@ -10,9 +10,10 @@ use anyhow::{Context, anyhow};
 use canvass_analyzer::dictionary::Severity;
 use canvass_analyzer::dictionary::check::{Checked, Folder, check_in};
 use canvass_reports::descriptions::text::{self, Style};
-use canvass_reports::descriptions::{CheckedFile, CheckedFiles, Counts, github, sarif};
+use canvass_reports::descriptions::{Baseline, CheckedFile, CheckedFiles, Counts, github, sarif};
 use canvass_reports::document::{Form, Report as _};
 use canvass_reports::escape::Printable;
+use canvass_traces::small_file::{self, OF_PROGRAM};
 use selection::Selection;
 use std::io::Write;
 use std::path::PathBuf;
@@ -40,6 +41,9 @@ pub struct Args {
     /// Print the changes that --fix would make; the exit status is 1 if there are any
     #[arg(long, conflicts_with = "format")]
     diff: bool,
+    /// Known findings: the SARIF of an earlier check. They count as waived, so that only new findings fail
+    #[arg(long, value_name = "FILE")]
+    baseline: Option<PathBuf>,
     #[command(flatten)]
     selection: Selection,
 }
@@ -90,10 +94,11 @@ impl Args {
         self.selection.check()?;
         let style = Style { colors: color.on_stdout(), width: terminal_width().map_or(140, usize::from) };
         let output = Output::text(style.colors);
+        let mut baseline = self.baseline()?;
         let mut files = Vec::new();
         let mut status = Status::Good;
         for path in descriptions(&self.files)? {
-            match self.one(&path, style, &output) {
+            match self.one(&path, style, &output, baseline.as_mut()) {
                 Ok(Some(file)) => files.push(file),
                 Ok(None) => {}
                 Err(error) if self.files.len() == 1 && !self.files.iter().any(|path| path.is_dir()) => {
@@ -111,15 +116,30 @@ impl Args {
             return Ok(if status == Status::Good && !files.is_empty() { Status::Findings } else { status });
         }
         self.print(&files, &output)?;
+        if let Some(gone) = baseline.map(|baseline| baseline.gone()).filter(|gone| *gone > 0) {
+            diagnostic(&format!("canvass: {gone} findings of the baseline are gone: --format sarif writes a new one"));
+        }
         let least = self.fail_on.least();
         let counts = |severity| least.is_some_and(|least| severity >= least);
         let fails = files.iter().flat_map(CheckedFile::open).any(|located| counts(located.finding.severity()));
         Ok(if status == Status::Good && fails { Status::Findings } else { status })
     }
 
+    fn baseline(&self) -> anyhow::Result<Option<Baseline>> {
+        let Some(path) = &self.baseline else { return Ok(None) };
+        let text = small_file::read_text(path, OF_PROGRAM).with_context(|| format!("can't read {}", path.display()))?;
+        Ok(Some(Baseline::read(&text).with_context(|| format!("{}", path.display()))?))
+    }
+
     /// Checks one file, and fixes it with `--fix`. Findings are printed at once as text; other formats get them at
     /// the end.
-    fn one(&self, path: &std::path::Path, style: Style, output: &Output) -> anyhow::Result<Option<CheckedFile>> {
+    fn one(
+        &self,
+        path: &std::path::Path,
+        style: Style,
+        output: &Output,
+        baseline: Option<&mut Baseline>,
+    ) -> anyhow::Result<Option<CheckedFile>> {
         let mut description = Description::read(path)?;
         let wanted = |finding: &_| self.selection.wants(finding);
         if self.fix {
@@ -132,7 +152,8 @@ impl Args {
         if let Err(error) = &checked.description {
             return Err(anyhow!("{} is no device description: {error}", path.display()));
         }
-        let file = CheckedFile::new(&description.name, &checked, wanted);
+        let mut file = CheckedFile::new(&description.name, &checked, wanted);
+        baseline.into_iter().for_each(|baseline| baseline.mark(&mut file));
         if self.diff {
             let diff = fixing::difference(&description, &checked.source.text, wanted)?;
             unless_closed(output.append(|buffer| buffer.extend_from_slice(diff.as_bytes())))?;

@@ -108,9 +108,10 @@ pub(super) enum Commas {
 /// Splits a line; `tokens` is emptied first.
 pub(super) fn tokenise(line: &[u8], commas: Commas, tokens: &mut Vec<Token>) {
     tokens.clear();
+    let semicolons = if separates(line) { Semicolons::Separate } else { Semicolons::BeginRemark };
     let mut at = 0;
     while tokens.len() < MOST {
-        let (start, aside) = skip_separators(line, at);
+        let (start, aside) = skip_separators(line, at, semicolons);
         let mut end = separator(line, start);
         if commas == Commas::Decimal && line.get(end) == Some(&b',') {
             end = after_decimals(line, start, end).unwrap_or(end);
@@ -123,13 +124,30 @@ pub(super) fn tokenise(line: &[u8], commas: Commas, tokens: &mut Vec<Token>) {
     }
 }
 
+/// The meaning of semicolons behind blanks.
+#[derive(Clone, Copy, PartialEq, Eq)]
+enum Semicolons {
+    BeginRemark,
+    Separate,
+}
+
+/// Whether semicolons separate the columns of a line: there are at least two, with nothing but numbers between them, and
+/// the first column is one word. Behind a frame a semicolon begins a remark.
+fn separates(line: &[u8]) -> bool {
+    let is_of_number = |byte: &u8| byte.is_ascii_hexdigit() || b" \t.:xXh[],-".contains(byte);
+    let is_number = |part: &[u8]| part.iter().any(u8::is_ascii_digit) && part.iter().all(is_of_number);
+    let mut parts = line.trim_ascii().split(|byte| *byte == b';').map(<[u8]>::trim_ascii);
+    let begins_with_one_word = parts.clone().next().is_some_and(|first| !first.contains(&b' '));
+    begins_with_one_word && parts.clone().count() > 2 && parts.all(is_number)
+}
+
 /// The offset after the separators, and whether they begin a remark.
-fn skip_separators(line: &[u8], from: usize) -> (usize, bool) {
+fn skip_separators(line: &[u8], from: usize, semicolons: Semicolons) -> (usize, bool) {
     let (mut at, mut blank, mut aside) = (from, false, false);
     while let Some(&byte) = line.get(at) {
         match byte {
             b' ' | b'\t' => blank = true,
-            b';' => aside |= blank && from > 0,
+            b';' => aside |= blank && from > 0 && semicolons == Semicolons::BeginRemark,
             b',' | b'|' => {}
             0xC2 if is_hard_blank(line, at) => (at, blank) = (at + 1, true),
             _ => break,
