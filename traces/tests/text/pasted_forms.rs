@@ -198,7 +198,7 @@ fn can_fd() {
 }
 
 /// The ways to write a frame of the property tests.
-const WAYS: usize = 9;
+const WAYS: usize = 10;
 
 fn write_frame(way: usize, n: usize, record: &Record) -> String {
     let (frame, mut text) = (&record.frame, String::new());
@@ -231,6 +231,7 @@ fn write_frame(way: usize, n: usize, record: &Record) -> String {
             let bytes: Vec<String> = frame.data().iter().map(|byte| format!(",{byte:02X}")).collect();
             write!(text, "{},{id:08X},{},Rx,0,{len}{}", n * 100_000, !x.is_empty(), bytes.concat())
         }
+        8 => write!(text, "{time} ; {id:0width$X} ; {len} ; {spaced}", width = if x.is_empty() { 3 } else { 8 }),
         _ => write!(text, "{n}) {time} {} {len} {spaced}   <-- remark {n}", frame.id()),
     }
     .unwrap();

@@ -135,7 +135,11 @@ enum Semicolons {
 /// the first column is one word. Behind a frame a semicolon begins a remark.
 fn separates(line: &[u8]) -> bool {
     let is_of_number = |byte: &u8| byte.is_ascii_hexdigit() || b" \t.:xXh[],-".contains(byte);
-    let is_number = |part: &[u8]| part.iter().any(u8::is_ascii_digit) && part.iter().all(is_of_number);
+    // Bytes may have no decimal digit, such as `EA FF`; a frame without data has an empty column.
+    let are_bytes = |part: &[u8]| part.split(|byte| *byte == b' ').all(|word| word.len() == 2);
+    let is_number = |part: &[u8]| {
+        part.is_empty() || part.iter().all(is_of_number) && (part.iter().any(u8::is_ascii_digit) || are_bytes(part))
+    };
     let mut parts = line.trim_ascii().split(|byte| *byte == b';').map(<[u8]>::trim_ascii);
     let begins_with_one_word = parts.clone().next().is_some_and(|first| !first.contains(&b' '));
     begins_with_one_word && parts.clone().count() > 2 && parts.all(is_number)
