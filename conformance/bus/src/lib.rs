@@ -185,7 +185,9 @@ impl BusError {
         match self {
             #[cfg(target_os = "linux")]
             Self::SocketCan(error) => error.is_interruption(),
-            Self::SlCan(error) => matches!(error, slcan::SlCanError::NotConnected { .. }),
+            Self::SlCan(error) => {
+                matches!(error, slcan::SlCanError::NotConnected { .. } | slcan::SlCanError::Nobody { .. })
+            }
             Self::Pcan(error) => matches!(error, pcan::PcanError::Failed { .. } | pcan::PcanError::QueueFull { .. }),
             Self::Interrupted { .. } => true,
             _ => false,

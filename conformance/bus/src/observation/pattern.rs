@@ -67,8 +67,7 @@ impl Pattern {
 }
 
 impl Pattern {
-    /// Whether the pattern accepts whatever the other one accepts, for the pattern of a single observation as a report
-    /// prints it.
+    /// Whether the pattern accepts an observation that is given as the pattern that a report prints for it.
     pub fn covers(&self, found: &Self) -> bool {
         match (&self.0, &found.0) {
             (_, Accepted::Exactly(observation)) => self.accepts(observation),

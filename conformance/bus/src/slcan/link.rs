@@ -11,8 +11,6 @@ pub(super) enum Place {
     Serial(String),
     /// TCP: `host:port`.
     Tcp(String),
-    /// A listener, which waits for a connection.
-    Listener(TcpListener),
 }
 
 /// The two directions of an open connection.
@@ -25,61 +23,69 @@ pub(super) struct Link {
 pub(super) const LOOK: Duration = Duration::from_millis(20);
 const CONNECT: Duration = Duration::from_secs(3);
 const WRITE: Duration = Duration::from_secs(2);
+/// Maximum wait for one of several programs to take a frame. All others wait meanwhile. A program has come to this only
+/// when it has left hundreds of kilobytes unread.
+const SHARED_WRITE: Duration = Duration::from_millis(100);
 /// The usual baud rate of adapters with a real UART; USB adapters ignore it.
 #[cfg(all(feature = "serial", not(target_family = "wasm")))]
 const BAUD: u32 = 115_200;
 
 impl Place {
     /// Parses the address after `slcan:`.
-    pub fn parse(text: &str) -> io::Result<Self> {
-        if let Some(address) = text.strip_prefix("tcp://") {
-            return Ok(Self::Tcp(address.to_owned()));
+    pub fn parse(text: &str) -> Self {
+        match text.strip_prefix("tcp://") {
+            Some(address) => Self::Tcp(address.to_owned()),
+            None => Self::Serial(text.to_owned()),
         }
-        if let Some(address) = text.strip_prefix("listen://") {
-            // A client controls the bus without a password, so other machines can connect only if the address names a
-            // host.
-            let listener = match address.strip_prefix(':').unwrap_or(address).parse::<u16>() {
-                Ok(port) => TcpListener::bind((Ipv4Addr::LOCALHOST, port))?,
-                Err(_) => TcpListener::bind(address)?,
-            };
-            listener.set_nonblocking(true)?;
-            return Ok(Self::Listener(listener));
-        }
-        Ok(Self::Serial(text.to_owned()))
     }
 
-    /// Opens the connection; `None` if no client has connected yet.
-    pub fn open(&self) -> io::Result<Option<Link>> {
+    /// Opens the connection.
+    pub fn open(&self) -> io::Result<Link> {
         match self {
-            Self::Serial(path) => serial(path).map(Some),
+            Self::Serial(path) => serial(path),
             Self::Tcp(address) => {
                 let addresses = address.to_socket_addrs()?;
                 let mut failure = io::Error::new(io::ErrorKind::NotFound, "the name has no address");
                 for address in addresses {
                     match TcpStream::connect_timeout(&address, CONNECT) {
-                        Ok(stream) => return tcp(stream).map(Some),
+                        Ok(stream) => return tcp(stream, WRITE),
                         Err(error) => failure = error,
                     }
                 }
                 Err(failure)
             }
-            Self::Listener(listener) => match listener.accept() {
-                Ok((stream, _)) => {
-                    stream.set_nonblocking(false)?;
-                    tcp(stream).map(Some)
-                }
-                Err(error) if error.kind() == io::ErrorKind::WouldBlock => Ok(None),
-                Err(error) => Err(error),
-            },
         }
     }
 }
 
-fn tcp(stream: TcpStream) -> io::Result<Link> {
+/// Listens at `host:port`, or at `port` for programs on this machine. A program controls the bus without a password, so
+/// other machines can connect only if the address names a host.
+pub(super) fn listen(address: &str) -> io::Result<TcpListener> {
+    let listener = match address.strip_prefix(':').unwrap_or(address).parse::<u16>() {
+        Ok(port) => TcpListener::bind((Ipv4Addr::LOCALHOST, port))?,
+        Err(_) => TcpListener::bind(address)?,
+    };
+    listener.set_nonblocking(true)?;
+    Ok(listener)
+}
+
+/// The next connection; `None` if no program has connected.
+pub(super) fn accept(listener: &TcpListener) -> io::Result<Option<Link>> {
+    match listener.accept() {
+        Ok((stream, _)) => {
+            stream.set_nonblocking(false)?;
+            tcp(stream, SHARED_WRITE).map(Some)
+        }
+        Err(error) if error.kind() == io::ErrorKind::WouldBlock => Ok(None),
+        Err(error) => Err(error),
+    }
+}
+
+fn tcp(stream: TcpStream, write: Duration) -> io::Result<Link> {
     // A frame must not wait for the next one, as with Nagle's algorithm.
     stream.set_nodelay(true)?;
     stream.set_read_timeout(Some(LOOK))?;
-    stream.set_write_timeout(Some(WRITE))?;
+    stream.set_write_timeout(Some(write))?;
     Ok(Link { reader: Box::new(stream.try_clone()?), writer: Box::new(stream) })
 }
 
@@ -141,11 +147,8 @@ mod tests {
 
     #[test]
     fn a_listener_without_a_host_is_reached_from_this_machine_only() {
-        let bound = |text: &str| match Place::parse(text).unwrap() {
-            Place::Listener(listener) => listener.local_addr().unwrap().ip(),
-            _ => panic!("{text} is a listener"),
-        };
-        assert!(bound("listen://0").is_loopback() && bound("listen://:0").is_loopback());
-        assert!(bound("listen://0.0.0.0:0").is_unspecified(), "where a host is named, that one");
+        let bound = |address: &str| listen(address).unwrap().local_addr().unwrap().ip();
+        assert!(bound("0").is_loopback() && bound(":0").is_loopback());
+        assert!(bound("0.0.0.0:0").is_unspecified(), "where a host is named, that one");
     }
 }

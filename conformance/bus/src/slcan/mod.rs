@@ -1,15 +1,17 @@
 //! SLCAN: CAN adapters with LAWICEL's ASCII protocol over a serial port or TCP.
 //!
-//! This bus implements both ends: it also answers commands like an adapter. So two of these buses form one bus, and
-//! other programs can use this bus as an adapter.
+//! Both ends are implemented: [`SlCan`] uses an adapter, [`SlCanHub`] is one, for any number of other programs.
 
+mod arrival;
 mod codec;
+mod hub;
 mod link;
 mod reader;
 mod stamps;
 mod way;
 
 pub use codec::{BIT_RATES, Command, Decoder, Message, MinuteClock, Status, write_frame};
+pub use hub::SlCanHub;
 #[cfg(windows)]
 pub use link::ports;
 
@@ -31,8 +33,6 @@ pub struct SlCan {
     shared: Arc<Shared>,
     reader: Option<JoinHandle<()>>,
     bit_rate: Option<u32>,
-    /// Whether this end is the adapter, to which a program connects.
-    is_adapter: bool,
 }
 
 /// State shared by the bus and its reading thread.
@@ -90,6 +90,12 @@ pub enum SlCanError {
         /// The time waited.
         waited: canvass_traces::Duration,
     },
+    /// All programs have left this end.
+    #[error("no program is connected to {name}: start one that connects to it")]
+    Nobody {
+        /// The address.
+        name: String,
+    },
     /// The connection is lost at the moment.
     #[error("{name} is not connected: plug it in; canvass opens it again by itself")]
     NotConnected {
@@ -111,10 +117,32 @@ fn remedy(error: &io::Error) -> &'static str {
     }
 }
 
+/// Opens the bus at `place`: an adapter at a serial port's path or at `tcp://host:port`, or `listen://host:port` for
+/// programs that use this end as their adapter. `listen://port` accepts programs on this machine only.
+///
+/// # Errors
+/// [`SlCanError`] with a remedy.
+pub fn open(place: &str, bit_rate: Option<u32>) -> Result<Box<dyn Bus + Send>, SlCanError> {
+    match place.strip_prefix("listen://") {
+        Some(address) => Ok(Box::new(SlCanHub::listen(place, address, bit_rate)?)),
+        None => Ok(Box::new(SlCan::open(place, bit_rate)?)),
+    }
+}
+
+/// A record of a sent frame, and its line.
+fn frame_line(now: Timestamp, frame: &Frame) -> Result<(Record, Vec<u8>), BusError> {
+    // The protocol does not give the time at which a frame was on the bus; this time is the earliest possible one.
+    let record = Record::new(now, ChannelId(0), *frame).with_direction(Direction::Tx);
+    let mut line = Vec::with_capacity(32);
+    if frame.is_head() || write_frame(&record, &mut line).is_none() {
+        let reason = "expected a classical data or remote frame, or a CAN FD frame of up to 16 bytes";
+        return Err(BusError::Unsendable { frame: *frame, reason });
+    }
+    Ok((record, line))
+}
+
 impl SlCan {
-    /// Opens the adapter at `place`: a serial port's path, `tcp://host:port`, or `listen://host:port` to wait for a
-    /// program that uses this end as its adapter. `listen://port` accepts connections from this machine only. The
-    /// protocol has no passwords: every client that connects can use the bus.
+    /// Opens the adapter at `place`: a serial port's path, or `tcp://host:port`.
     ///
     /// # Errors
     /// [`SlCanError`] with a remedy.
@@ -128,13 +156,12 @@ impl SlCan {
             way: Way::default(),
             change: Mutex::default(),
         });
-        let place = Place::parse(place).map_err(failed)?;
-        let is_adapter = matches!(place, Place::Listener(_));
+        let place = Place::parse(place);
         let mut reader = Reader::new(Arc::clone(&shared), place, index);
         reader.connect()?;
         let thread = std::thread::Builder::new().name(format!("receive {}", shared.name));
         let reader = thread.spawn(move || reader.run()).map_err(failed)?;
-        Ok(Self { shared, reader: Some(reader), bit_rate, is_adapter })
+        Ok(Self { shared, reader: Some(reader), bit_rate })
     }
 }
 
@@ -161,13 +188,7 @@ impl Bus for SlCan {
     }
 
     fn send(&mut self, frame: &Frame) -> Result<(), BusError> {
-        // The protocol does not give the time at which a frame was on the bus; this time is the earliest possible one.
-        let record = Record::new(self.now(), ChannelId(0), *frame).with_direction(Direction::Tx);
-        let mut line = Vec::with_capacity(32);
-        if frame.is_head() || write_frame(&record, &mut line).is_none() {
-            let reason = "expected a classical data or remote frame, or a CAN FD frame of up to 16 bytes";
-            return Err(BusError::Unsendable { frame: *frame, reason });
-        }
+        let (record, line) = frame_line(self.now(), frame)?;
         // The frame is recorded before it is written: the answer may arrive before this thread continues.
         self.shared.inbox.deliver(&mut vec![record.clone()]);
         if self.shared.way.send(&line).is_err() {
@@ -191,17 +212,6 @@ impl Bus for SlCan {
         true
     }
 
-    fn wait_for_client(&mut self, patience: canvass_traces::Duration) -> Result<(), BusError> {
-        let deadline = self.now() + patience;
-        while self.is_adapter && !self.shared.way.is_open() {
-            if self.now() >= deadline {
-                return Err(SlCanError::NoClient { name: self.shared.name.clone(), waited: patience }.into());
-            }
-            std::thread::sleep(link::LOOK);
-        }
-        Ok(())
-    }
-
     fn health(&self) -> Health {
         self.shared.inbox.health()
     }
@@ -214,12 +224,8 @@ impl Bus for SlCan {
         self.shared.inbox.limit(frames);
     }
 
-    /// Closes the adapter's channel, sets the bit rate and reopens the channel. If this end is the adapter, its client
-    /// sets the bit rate.
+    /// Closes the adapter's channel, sets the bit rate and reopens the channel.
     fn set_bit_rate(&mut self, bit_rate: u32) -> Result<(), BusError> {
-        if self.is_adapter {
-            return Err(BusError::FixedBitRate { bit_rate });
-        }
         let (done, answer) = channel();
         let change = Change { index: index_of(bit_rate)?, done };
         *self.shared.change.lock().unwrap_or_else(PoisonError::into_inner) = Some(change);
@@ -263,70 +269,6 @@ mod tests {
 
     fn frame(n: u32) -> Frame {
         Frame::new(CanId::standard(n).unwrap(), &n.to_le_bytes()).unwrap()
-    }
-
-    fn received(bus: &mut SlCan) -> Vec<(u32, Direction)> {
-        let deadline = bus.now() + Duration::from_millis(500);
-        let mut all = Vec::new();
-        while let Some(record) = bus.receive(deadline).unwrap() {
-            all.push((record.frame.id().raw(), record.direction));
-            if all.len() == 2 {
-                break;
-            }
-        }
-        all
-    }
-
-    #[test]
-    fn two_ends_are_one_bus_and_survive_a_break() {
-        let address = address();
-        let mut adapter = SlCan::open(&format!("listen://{address}"), None).unwrap();
-        assert!(adapter.send(&frame(1)).is_err(), "nobody is connected");
-        for round in 0..2 {
-            let mut program = SlCan::open(&format!("tcp://{address}"), Some(250_000)).unwrap();
-            program.send(&frame(0x100)).unwrap();
-            assert_eq!(received(&mut adapter), [(0x100, Direction::Rx)], "round {round}");
-            adapter.send(&frame(0x200)).unwrap();
-            assert_eq!(received(&mut adapter), [(0x200, Direction::Tx)]);
-            assert_eq!(received(&mut program), [(0x100, Direction::Tx), (0x200, Direction::Rx)]);
-        }
-        let end = adapter.now() + Duration::from_secs(2);
-        while adapter.health().interruptions < 2 && adapter.now() < end {
-            adapter.receive(adapter.now() + Duration::from_millis(10)).unwrap();
-        }
-        assert_eq!(adapter.health().interruptions, 2, "{:?}", adapter.health());
-    }
-
-    #[test]
-    fn who_waits_for_a_client_is_told_when_none_comes() {
-        let mut bus = SlCan::open("listen://0", None).unwrap();
-        let error = bus.wait_for_client(Duration::from_millis(50)).unwrap_err().to_string();
-        assert!(error.contains("no program has connected to listen://0 within"), "{error}");
-        let address = address();
-        let port = address.rsplit(':').next().unwrap();
-        let mut bus = SlCan::open(&format!("listen://:{port}"), None).unwrap();
-        let client = std::thread::spawn(move || {
-            std::thread::sleep(std::time::Duration::from_millis(100));
-            std::net::TcpStream::connect(address).unwrap()
-        });
-        bus.wait_for_client(Duration::from_secs(10)).unwrap();
-        bus.send(&frame(1)).unwrap();
-        drop(client.join().unwrap());
-    }
-
-    /// A silent client is served until another client connects.
-    #[test]
-    fn a_silent_client_does_not_keep_others_away() {
-        let address = address();
-        let mut bus = SlCan::open(&format!("listen://{address}"), None).unwrap();
-        let silent = std::net::TcpStream::connect(&address).unwrap();
-        bus.wait_for_client(Duration::from_secs(5)).unwrap();
-        let mut second = std::net::TcpStream::connect(&address).unwrap();
-        second.write_all(b"t12310F\r").unwrap();
-        let deadline = bus.now() + Duration::from_secs(10);
-        let record = bus.receive(deadline).unwrap().unwrap();
-        assert_eq!((record.frame.id().raw(), bus.health().interruptions), (0x123, 1));
-        drop(silent);
     }
 
     /// An adapter without 800 kbit/s, which reports the error after a delay. Returns the lines that it received.
@@ -416,12 +358,6 @@ mod tests {
         let changes =
             ["C", "S5", "Z1", "O", "C", "S6", "Z1", "O", "C", "S7", "C", "S6", "Z1", "O", "t005405000000", "C"];
         assert_eq!(told, changes);
-    }
-
-    #[test]
-    fn an_adapter_does_not_set_its_own_bit_rate() {
-        let mut bus = SlCan::open(&format!("listen://{}", address()), None).unwrap();
-        assert!(matches!(bus.set_bit_rate(500_000), Err(BusError::FixedBitRate { bit_rate: 500_000 })));
     }
 
     #[test]

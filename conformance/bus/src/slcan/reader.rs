@@ -1,13 +1,12 @@
 //! The thread that reads from the adapter, and reopens it after it was unplugged.
 
+use super::arrival::Arrivals;
 use super::codec::{Command, Decoder, Message, MinuteClock, Status};
-use super::link::{LOOK, Link, Place, is_silence};
+use super::link::{Link, Place, is_silence};
 use super::stamps::{StampCheck, StampWatch};
 use super::{Change, Shared, SlCanError};
-use crate::Health;
 use crate::hardware_clock::HardwareClock;
-use crate::processor_wait::ProcessorWait;
-use canvass_traces::{ChannelId, Direction, Duration as Span, Record, Timestamp};
+use canvass_traces::{ChannelId, Direction, Record, Timestamp};
 use std::io::{self, Read};
 use std::sync::{Arc, PoisonError};
 use std::time::{Duration, Instant};
@@ -21,9 +20,6 @@ const ANSWER: Duration = Duration::from_secs(2);
 
 /// Interval between two attempts to reopen a lost adapter.
 const RETRY: Duration = Duration::from_millis(200);
-
-/// Time after which a silent client gives way to a waiting one.
-const IDLE: Duration = Duration::from_secs(5);
 
 /// Interval between two queries of the status flags.
 const STATUS: Duration = Duration::from_secs(1);
@@ -56,34 +52,6 @@ pub(super) struct Reader {
     is_answering: bool,
 }
 
-/// Maximum time between two consecutive calls if the thread did not wait between them.
-const AT_ONCE: Span = Span::from_micros(100);
-
-/// Times for which the reading thread waited for a processor while bytes may have arrived.
-#[derive(Clone, Copy)]
-struct Late {
-    /// The wait from the arrival of bytes until the thread woke.
-    waking: Span,
-    /// The wait between two reads, or just after one.
-    away: Span,
-}
-
-impl Late {
-    /// The arrival time of a message by its position among the messages of one read. The first message woke the thread;
-    /// the arrival times of the others are unknown.
-    fn arrival(self, at: usize, now: Timestamp) -> Timestamp {
-        if at == 0 { Timestamp(now.0.saturating_sub(self.waking.0)) } else { now }
-    }
-
-    /// Counts the remaining uncertainty of arrival times.
-    fn note(self, messages: usize, health: &mut Health) {
-        let unknown = if messages > 1 { self.waking } else { Span::ZERO };
-        if messages > 0 && self.away.max(unknown) > Span::ZERO {
-            health.stamping.add(self.away.max(unknown));
-        }
-    }
-}
-
 impl Reader {
     pub fn new(shared: Arc<Shared>, place: Place, bit_rate: Option<u8>) -> Self {
         Self {
@@ -105,10 +73,10 @@ impl Reader {
         }
     }
 
-    /// Opens the connection and the adapter's channel; `false` if no client has connected yet.
-    pub fn connect(&mut self) -> Result<bool, SlCanError> {
+    /// Opens the connection and the adapter's channel.
+    pub fn connect(&mut self) -> Result<(), SlCanError> {
         let failed = |source| SlCanError::Open { name: self.shared.name.clone(), source };
-        let Some(Link { reader, writer }) = self.place.open().map_err(failed)? else { return Ok(false) };
+        let Link { reader, writer } = self.place.open().map_err(failed)?;
         self.port = Some(reader);
         self.heard = Instant::now();
         self.shared.way.connect(writer);
@@ -116,14 +84,11 @@ impl Reader {
         (self.asks_status, self.has_answered) = (false, false);
         (self.minute, self.hardware) = (MinuteClock::default(), HardwareClock::default());
         self.stamps = StampWatch::default();
-        // If this end is the adapter, the client opens the channel.
-        if !matches!(self.place, Place::Listener(_)) {
-            self.open_channel().inspect_err(|_| self.disconnect())?;
-        }
+        self.open_channel().inspect_err(|_| self.disconnect())?;
         self.shared.way.open();
         let now = self.shared.clock.now();
         self.shared.inbox.note(|health| health.came_back(now));
-        Ok(true)
+        Ok(())
     }
 
     fn disconnect(&mut self) {
@@ -215,28 +180,23 @@ impl Reader {
     pub fn run(mut self) {
         let shared = Arc::clone(&self.shared);
         let mut asked = Instant::now();
-        let mut wait = ProcessorWait::of_this_thread();
+        let mut arrivals = Arrivals::of_this_thread();
         while !shared.inbox.is_closed() {
             if self.port.is_none() {
                 // The adapter is not back; the next round tries again.
-                if !self.connect().unwrap_or(false) {
-                    std::thread::sleep(if matches!(self.place, Place::Listener(_)) { LOOK } else { RETRY });
+                if self.connect().is_err() {
+                    std::thread::sleep(RETRY);
                 }
                 continue;
             }
-            self.give_way();
-            let away = wait.since_last();
+            arrivals.begin();
             match self.read() {
                 Ok(messages) => {
-                    let now = shared.clock.now();
-                    let waking = wait.since_last();
-                    // A wait between these two lines came after `now`, so it counts as time away from reading.
-                    let between = shared.clock.now().since(now);
-                    let late = Late { waking, away: if between > AT_ONCE { away + between } else { away } };
+                    let arrival = arrivals.end(&shared.clock);
                     shared.inbox.set_delivering(true);
-                    shared.inbox.note(|health| late.note(messages.len(), health));
+                    shared.inbox.note(|health| arrival.note(messages.len(), health));
                     for (at, message) in messages.into_iter().enumerate() {
-                        self.take(message, late.arrival(at, now));
+                        self.take(message, arrival.of(at));
                     }
                     shared.inbox.deliver(&mut self.records);
                     shared.inbox.set_delivering(false);
@@ -248,7 +208,7 @@ impl Reader {
                 // The caller may have stopped waiting.
                 let _ = done.send(self.change_bit_rate(index));
             }
-            if self.has_status && asked.elapsed() >= STATUS && !matches!(self.place, Place::Listener(_)) {
+            if self.has_status && asked.elapsed() >= STATUS {
                 asked = Instant::now();
                 self.ask_status();
             }
@@ -272,19 +232,7 @@ impl Reader {
         }
     }
 
-    /// Replaces a silent client by a waiting one: the bus serves one client at a time.
-    fn give_way(&mut self) {
-        if !matches!(self.place, Place::Listener(_)) || self.heard.elapsed() < IDLE {
-            return;
-        }
-        // If no client waits, or the waiting one can't be served, the present client stays.
-        if self.connect().unwrap_or(false) {
-            let trouble = format!("{}: a silent client gave way to another one", self.shared.name);
-            self.shared.inbox.note(|health| health.was_interrupted(trouble));
-        }
-    }
-
-    /// Reads once, at most for [`LOOK`]; returns the messages that are complete.
+    /// Reads once, for a limited time; returns the messages that are complete.
     fn read(&mut self) -> io::Result<Vec<Message>> {
         let mut bytes = [0; 4096];
         let Some(port) = &mut self.port else { return Ok(Vec::new()) };

@@ -107,7 +107,7 @@ pub fn open_seeded_at(address: &str, seed: u64, node: Option<NodeId>) -> Result<
             Err(BusError::Unavailable { address: address.to_owned(), interface: "SocketCAN" })
         }
         BusAddress::SlCan { port, bit_rate } => {
-            let bus = Box::new(canvass_bus::slcan::SlCan::open(&port, bit_rate)?);
+            let bus = canvass_bus::slcan::open(&port, bit_rate)?;
             Ok(Opened { bus, model: None, devices: Vec::new() })
         }
         #[cfg(any(windows, target_os = "linux"))]
