@@ -14,6 +14,8 @@ mod can_utils;
 #[cfg(test)]
 mod cantools;
 #[cfg(test)]
+mod configurations;
+#[cfg(test)]
 mod extension;
 #[cfg(test)]
 mod fuzz_pytest;
