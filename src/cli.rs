@@ -134,16 +134,29 @@ fn told(mut mistake: clap::Error) -> clap::Error {
     mistake
 }
 
-/// Lets the environment name the bus of commands that have no other positional argument.
+/// Lets the environment name the bus. clap does it for commands that have no other positional argument; for the others
+/// [`settings::complete`] does it, and their help says so.
 fn with_environment(command: clap::Command) -> clap::Command {
     let is_bus = |argument: &clap::Arg| argument.get_id() == "bus";
     let with_variable = |argument: clap::Arg| match is_bus(&argument) {
         true => argument.env(BUS_VARIABLE).hide_env_values(true),
         false => argument,
     };
-    command.mut_subcommands(|below| match settings::ON_BUS.contains(&below.get_name()) {
-        true => below.mut_args(with_variable),
-        false => below,
+    let told = |argument: clap::Arg| match argument.get_help().filter(|_| is_bus(&argument)) {
+        Some(help) => {
+            let help = format!("{help} [env: {BUS_VARIABLE}]");
+            argument.help(help)
+        }
+        None => argument,
+    };
+    command.mut_subcommands(|below| {
+        if settings::ON_BUS.contains(&below.get_name()) {
+            below.mut_args(with_variable)
+        } else if settings::begins_with_bus(&below) {
+            below.mut_args(told)
+        } else {
+            with_environment(below)
+        }
     })
 }
 

@@ -131,6 +131,9 @@ pub struct Completed {
 /// # Errors
 /// If the file has an error and the command would use it.
 pub fn complete(command: Command, mut arguments: Vec<OsString>) -> Result<Completed> {
+    if let Some(arguments) = with_bus(&command, &arguments)? {
+        return Ok(Completed { command, arguments, set: Vec::new(), file: None });
+    }
     let (name, typed) = typed(&command, &arguments);
     let is_used = ON_BUS.iter().chain(&OF_NODES).any(|known| name.as_deref() == Some(known));
     let (Some(name), true) = (name, is_used) else {
@@ -152,6 +155,49 @@ pub fn complete(command: Command, mut arguments: Vec<OsString>) -> Result<Comple
         }
     }
     Ok(Completed { command, arguments, set, file })
+}
+
+/// Whether the arguments of a command begin with the bus, so that the bus can be left out.
+///
+/// The commands of [`ON_BUS`] have no other argument without a name: clap itself fills in their bus.
+pub fn begins_with_bus(command: &Command) -> bool {
+    let is_first = command.get_positionals().next().is_some_and(|first| first.get_id() == "bus");
+    is_first && !ON_BUS.contains(&command.get_name())
+}
+
+/// The command line with the bus of the environment or of the settings file, if the bus was left out.
+///
+/// The arguments after the bus have forms that no bus has: a node-ID, the name of an NMT command, a frame. The bus was
+/// therefore left out exactly if the command line is right with the bus put in.
+fn with_bus(command: &Command, arguments: &[OsString]) -> Result<Option<Vec<OsString>>> {
+    let Some(at) = end_of_names(command, arguments) else { return Ok(None) };
+    let with = |bus: &OsString| {
+        let mut arguments = arguments.to_vec();
+        arguments.insert(at, bus.clone());
+        command.clone().try_get_matches_from(&arguments).is_ok().then_some(arguments)
+    };
+    // Whether a bus would fit is asked first: a mistake in the settings must not stop a command that does not use them.
+    if with(&"can0".into()).is_none() {
+        return Ok(None);
+    }
+    let bus = match std::env::var_os(BUS_VARIABLE) {
+        Some(bus) => Some(bus),
+        None => Settings::find()?.and_then(|settings| settings.value("bus").map(OsString::from)),
+    };
+    Ok(bus.as_ref().and_then(with))
+}
+
+/// The place after the names of the command and its subcommand, if the arguments there begin with a bus.
+fn end_of_names(command: &Command, arguments: &[OsString]) -> Option<usize> {
+    let (mut command, mut at) = (command, 1);
+    while command.has_subcommands() {
+        let found = (at..arguments.len()).find_map(|place| {
+            let name = arguments.get(place)?.to_str()?;
+            Some((command.find_subcommand(name)?, place + 1))
+        });
+        (command, at) = found?;
+    }
+    begins_with_bus(command).then_some(at)
 }
 
 /// The subcommand and its arguments, as far as they can be determined without parsing the whole command line.

@@ -75,6 +75,36 @@ fn the_environment_names_the_bus() {
 }
 
 #[test]
+fn the_bus_can_be_left_out_before_other_arguments() {
+    let (_folder, below) = project(SETTINGS);
+    let right = |typed: &[&str], expected: &str| {
+        let ended = run_in(&below, typed);
+        assert!(ended.status == 0 && ended.stdout.contains(expected), "{typed:?}: {} {}", ended.stdout, ended.stderr);
+    };
+    right(&["sdo", "read", "63", "1018:01"], "13");
+    right(&["sdo", "write", "63", "1017", "100"], "100");
+    right(&["--color", "never", "nmt", "start", "63"], "start");
+    right(&["send", "--wait", "10ms", "63F#4018100100000000", "000#0100"], "1018");
+    right(&["lss", "inquire"], "63");
+    // Another bus is typed as ever.
+    right(&["sdo", "read", "sim:reference-301", "10", "1018:01"], "");
+    let mut typed = command(&["nmt", "start", "10"]);
+    let of_environment = finished(typed.current_dir(&below).env("CANVASS_BUS", "sim:reference-301").output().unwrap());
+    assert!(of_environment.status == 0, "{}", of_environment.stderr);
+}
+
+#[test]
+fn a_bus_that_nobody_names_is_asked_for() {
+    let folder = tempfile::tempdir().unwrap();
+    for typed in [&["sdo", "read", "5", "1018:01"][..], &["nmt", "start", "5"], &["lss", "inquire"]] {
+        let ended = run_in(folder.path(), typed);
+        assert!(ended.status == 2 && ended.stdout.is_empty(), "{typed:?}: {}", ended.stderr);
+    }
+    let help = run_in(folder.path(), &["sdo", "read", "--help"]);
+    assert!(help.stdout.contains("[env: CANVASS_BUS]"), "{}", help.stdout);
+}
+
+#[test]
 fn mistakes_are_told_with_their_line() {
     for (text, line, problem) in [
         ("bus = \"can0\"\nbusses = 1\n", 2, "unknown field `busses`"),
