@@ -37,6 +37,11 @@ impl DeviceArg {
     }
 }
 
+/// The model or file in `MODEL`, `FILE` or `NODE=FILE`.
+pub fn named(device: &str) -> &str {
+    device.split_once('=').map_or(device, |(_, device)| device)
+}
+
 /// Reads a built-in model, or the description in a file.
 pub fn describe(device: &str) -> Result<KnownDevice> {
     if let Some(model) = Model::by_id(device) {

@@ -3,6 +3,7 @@
 //! The system's identity of a file decides whether two files are the same: another spelling of the path or a link hides
 //! nothing. A command checks all files before it opens the first for writing.
 
+use crate::devices::named;
 use anyhow::{Result, bail};
 use canvass_device::MotionSpec;
 use canvass_device::address::{BusAddress, DeviceName, SimulatedDevice};
@@ -63,8 +64,7 @@ impl Files {
 
     /// Adds the files among values of `--device`: `MODEL`, `FILE` or `NODE=FILE`.
     pub fn describes<'a>(self, devices: impl IntoIterator<Item = &'a str>) -> Self {
-        let path = |device: &'a str| device.split_once('=').map_or(device, |(_, path)| path);
-        self.reads(devices.into_iter().map(path).filter(|device| Model::by_id(device).is_none()))
+        self.reads(devices.into_iter().map(named).filter(|device| Model::by_id(device).is_none()))
     }
 
     /// Adds the files that a bus address names.

@@ -1,13 +1,12 @@
 //! A simulated device whose non-volatile memory is a file.
 
-use crate::whole_file::WholeFile;
+use crate::whole_file::write_whole;
 use anyhow::{Context, Result};
 use canvass_analyzer::NodeId;
 use canvass_bus::Machine;
 use canvass_device::{Device, Memory};
 use canvass_traces::small_file::{self, OF_PROGRAM};
 use canvass_traces::{Frame, Timestamp};
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// The device; whenever the device stores parameters, canvass writes the file.
@@ -49,10 +48,7 @@ impl KeptDevice {
         let memory = self.device.memory();
         if memory != self.kept || !file.exists() {
             // The file is replaced when it is complete: a program killed while writing leaves the old content.
-            let whole = WholeFile::create(file)?;
-            let written = whole.writer()?.write_all(memory.to_string().as_bytes());
-            written.with_context(|| format!("can't write {}", file.display()))?;
-            whole.complete()?;
+            write_whole(file, memory.to_string().as_bytes())?;
             self.kept = memory;
         }
         Ok(())

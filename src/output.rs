@@ -2,6 +2,7 @@
 
 use crate::console::takes_sequences;
 use canvass_reports::ascii::ascii;
+use canvass_reports::document::{Form, Report, Style};
 use canvass_reports::escape::{Printable, Visible};
 use std::borrow::Cow;
 use std::io::{self, IsTerminal, Stderr, Stdout, Write};
@@ -43,6 +44,31 @@ pub enum TextOrJson {
     Text,
     /// A JSON object
     Json,
+}
+
+/// How to print a result with tables.
+#[derive(Clone, Copy, Default, clap::ValueEnum)]
+pub enum TextJsonOrMarkdown {
+    /// For people
+    #[default]
+    Text,
+    /// One JSON object
+    Json,
+    /// For tickets and wikis
+    Markdown,
+}
+
+impl TextJsonOrMarkdown {
+    /// Prints a report; text gets this style. A closed standard output is no error.
+    pub fn print(self, report: &dyn Report, style: Style) -> io::Result<()> {
+        let form = match self {
+            Self::Text => Form::Text(style),
+            Self::Json => Form::Json,
+            Self::Markdown => Form::Markdown,
+        };
+        let mut output = Output::text(style.color);
+        unless_closed(report.write(form, &mut output).and_then(|()| Output::flush(&output)))
+    }
 }
 
 /// Buffered standard output, shared with the reader of standard input: before the reader waits, it flushes the lines
@@ -212,6 +238,12 @@ pub fn print(text: &Printable) -> io::Result<()> {
     let mut stdout = raw().lock();
     let text = shown(text.as_str(), is_terminal());
     unless_closed(stdout.write_all(text.as_bytes()).and_then(|()| stdout.flush()))
+}
+
+/// Writes a file to standard output as it is. A closed standard output is no error.
+pub fn write_bytes(bytes: &[u8]) -> io::Result<()> {
+    let mut output = raw();
+    unless_closed(output.write_all(bytes).and_then(|()| output.flush()))
 }
 
 /// Ignores a closed standard output: the result of the command stays true, and its other outputs are still needed.

@@ -4,7 +4,7 @@
 use anyhow::{Context, Result, bail};
 use canvass_reports::escape::Visible;
 use std::fs::{self, File, OpenOptions};
-use std::io::BufWriter;
+use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 use tempfile::{Builder, NamedTempFile};
 
@@ -20,6 +20,16 @@ enum Part {
     Beside(NamedTempFile, PathBuf),
     /// A pipe or a device, which is written directly: it has no content to keep.
     InPlace(File),
+}
+
+/// Writes a whole file at once.
+///
+/// # Errors
+/// If the file can't be written; its former content stays.
+pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<()> {
+    let file = WholeFile::create(path)?;
+    file.writer()?.write_all(bytes).with_context(|| format!("can't write {}", path.display()))?;
+    file.complete()
 }
 
 impl WholeFile {

@@ -2,7 +2,7 @@
 
 use crate::document::{Block, Cell, Depth, Document, Report, Row, Section, Table, Tone};
 use crate::escape::JsonText;
-use crate::page_text::none_or_counted;
+use crate::page_text::counted;
 use crate::results::TestResult;
 use canvass_bus::observation::{BadPattern, BadSubject};
 use canvass_suite::verdict::Kind;
@@ -63,7 +63,8 @@ impl CheckedWaivers<'_> {
 }
 
 fn told(usage: &Use) -> (String, Tone) {
-    let excuses = |count: usize| format!("excuses {}", none_or_counted(count, "breach").replace("breachs", "breaches"));
+    let excuses =
+        |count: usize| if count == 1 { "excuses 1 breach".to_owned() } else { format!("excuses {count} breaches") };
     match usage {
         Use::Used(count) => (excuses(*count), Tone::Good),
         Use::TooWide(count, how) => (format!("{}, but {how}", excuses(*count)), Tone::Doubt),
@@ -77,10 +78,10 @@ impl Report for CheckedWaivers<'_> {
     fn document(&self, depth: Depth) -> Document {
         let wrong = self.checked.iter().filter(|checked| !checked.is_good()).count();
         let outcome = format!(
-            "{} and {}: {} waivers, {}",
+            "{} and {}: {}, {}",
             self.file,
             self.result,
-            self.checked.len(),
+            counted(self.checked.len(), "waiver"),
             if wrong == 0 { "all used".to_owned() } else { format!("{wrong} to look at") }
         );
         let row = |checked: &Checked<'_>| {

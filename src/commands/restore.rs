@@ -1,6 +1,6 @@
 //! `canvass restore`: restores a device after an interrupted run.
 
-use super::test::named;
+use crate::devices::named;
 use crate::live::{CLIENT, open_device_bus};
 use crate::put_back::{put_back, read};
 use crate::status::{Failure, Status};

@@ -4,7 +4,7 @@ mod batch;
 pub mod object;
 mod value;
 
-use crate::devices::{DeviceArg, describe, parse_node};
+use crate::devices::{DeviceArg, describe, named, parse_node};
 use crate::live::{ClientArg, Live, parse_span};
 use crate::output::{TextOrJson, diagnostic, print};
 use crate::status::{Failure, Status};
@@ -105,7 +105,7 @@ impl Args {
 
 impl Target {
     fn run(self, wish: &Wish) -> Result<Status, Failure> {
-        let device = self.device.as_deref().map(|device| device.split_once('=').map_or(device, |(_, device)| device));
+        let device = self.device.as_deref().map(named);
         let devices: Vec<DeviceArg> =
             device.iter().map(|device| DeviceArg { nodes: vec![self.node], device: (*device).to_owned() }).collect();
         let known = device.map(describe).transpose()?;

@@ -11,7 +11,7 @@ pub mod reports;
 
 use crate::allow::{Allow, touches};
 use crate::destination::refuse_existing;
-use crate::devices::{describe, parse_node};
+use crate::devices::{describe, named, parse_node};
 use crate::files::Files;
 use crate::interrupt::Interrupt;
 use crate::live::{CLIENT, limited, open_device_bus_at, parse_span};
@@ -297,11 +297,6 @@ impl Args {
         let described_alone = self.device.is_none() && opened.model.is_some_and(Model::is_described_alone);
         Ok(Target { deviations, described_alone, ..Target::known(node, model, device) })
     }
-}
-
-/// The model or file in `MODEL`, `FILE` or `NODE=FILE`.
-pub fn named(device: &str) -> &str {
-    device.split_once('=').map_or(device, |(_, device)| device)
 }
 
 /// The error that asks for the device's node-ID and says how to find it.

@@ -3,8 +3,8 @@
 use crate::bundle::setup::{self, Setup};
 use crate::bundle::zip::{self, Entry};
 use crate::bundle::{RECORDING, RESULT, TRANSCRIPT, WAIVERS, manifest};
-use crate::commands::test::named;
 use crate::devices;
+use crate::devices::named;
 use crate::output::{TextOrJson, diagnostic, print};
 use crate::status::{Failure, Status};
 use anyhow::{Context, Result, anyhow, bail};

@@ -1,11 +1,11 @@
 //! `canvass waivers`: files of accepted failures.
 
 use super::compare::read;
-use crate::output::{Color, Output, terminal_width, unless_closed};
+use crate::output::{Color, TextJsonOrMarkdown, terminal_width};
 use crate::provenance::date_of_file;
 use crate::status::{Failure, Status};
 use anyhow::Context;
-use canvass_reports::document::{Form, Report as _, Style};
+use canvass_reports::document::Style;
 use canvass_reports::waivers::{CheckedWaivers, breaches};
 use canvass_suite::waiver::Waivers;
 use canvass_traces::small_file::{self, OF_HAND};
@@ -36,18 +36,7 @@ struct Check {
     result: PathBuf,
     /// How to print the waivers
     #[arg(long, value_enum, default_value_t)]
-    format: CheckFormat,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
-enum CheckFormat {
-    /// For people: a table
-    #[default]
-    Text,
-    /// One JSON object
-    Json,
-    /// For tickets and wikis
-    Markdown,
+    format: TextJsonOrMarkdown,
 }
 
 impl Args {
@@ -67,13 +56,7 @@ impl Check {
         let today = date_of_file()?.date().to_string();
         let checked = CheckedWaivers { file, result: result_file, checked: waivers.checked(&today, &found) };
         let style = Style { color: color.on_stdout(), width: terminal_width() };
-        let form = match self.format {
-            CheckFormat::Text => Form::Text(style),
-            CheckFormat::Json => Form::Json,
-            CheckFormat::Markdown => Form::Markdown,
-        };
-        let mut output = Output::text(style.color);
-        unless_closed(checked.write(form, &mut output).and_then(|()| Output::flush(&output)))?;
+        self.format.print(&checked, style)?;
         Ok(if checked.is_good() { Status::Good } else { Status::Findings })
     }
 }

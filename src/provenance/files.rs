@@ -58,8 +58,8 @@ pub fn hash(mut file: impl Read) -> io::Result<(u64, String)> {
 
 /// The file that describes a device; `None` for a built-in model.
 pub fn of_device(device: &str) -> Option<&str> {
-    let named = device.split_once('=').map_or(device, |(_, named)| named);
-    Model::by_id(named).is_none().then_some(named)
+    let device = crate::devices::named(device);
+    Model::by_id(device).is_none().then_some(device)
 }
 
 /// The files that the address of a simulated bus names.

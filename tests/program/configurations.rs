@@ -31,7 +31,7 @@ const MODELS: [OfModel; 11] = [
     ("lika-ax58", 1, &[("1800sub2", "3"), ("6200", "50")]),
     ("tr-c65", 1, OF_TR),
     ("tr-lmp30", 1, OF_TR),
-    ("reference-301", 10, &[("1017", "777"), ("1800sub5", "200"), ("1A00sub1", "0x20410010"), ("2041", "321")]),
+    ("reference-301", 10, &[("1017", "777"), ("1800sub5", "200"), ("1A00sub1", "0x20410010"), ("2011", "press")]),
     (
         "reference-406",
         20,
@@ -147,7 +147,7 @@ fn kill_writes(first: u64) -> u32 {
     let dcf = read(&device.bus, 10, &before);
     let others = ["1400", "1401", "1402", "1403", "1800", "1801", "1802", "1803"].map(|index| format!("{index}sub2"));
     let dcf = others.iter().fold(dcf, |dcf, section| changed(&dcf, section, "1"));
-    let dcf = [("1017", "777"), ("1006", "20000"), ("1A00sub1", "0x20410010"), ("2041", "321"), ("1019", "9")]
+    let dcf = [("1017", "777"), ("1006", "20000"), ("1A00sub1", "0x20410010"), ("2011", "press"), ("1019", "9")]
         .iter()
         .fold(dcf, |dcf, (section, value)| changed(&dcf, section, value));
     fs::write(&wanted, dcf).unwrap();

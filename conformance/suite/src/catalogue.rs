@@ -132,15 +132,10 @@ pub fn shuffled(cases: &[&'static Case], seed: u64) -> Vec<&'static Case> {
     drawn.into_iter().map(|(_, _, case)| case).collect()
 }
 
-/// The likely intention of a selector that selects nothing: the family whose name has the longest beginning in common
-/// with it.
-pub fn nearest(selector: &Selector) -> Option<&'static str> {
-    let text = selector.to_string();
-    let common = |family: &str| family.bytes().zip(text.bytes()).take_while(|(a, b)| a == b).count();
-    let best =
-        cases().into_iter().map(Case::family).max_by_key(|family| (common(family), std::cmp::Reverse(family.len())))?;
-    // A common standard alone is no hint.
-    (common(best) > 4).then_some(best)
+/// A question for the error message of a selector that selects nothing: which family or case it may have meant.
+pub fn meant(selector: &Selector) -> String {
+    let names = cases().into_iter().flat_map(|case| [case.family(), case.id]);
+    canvass_analyzer::meant(&selector.to_string(), names)
 }
 
 /// Whether `text` equals `prefix` or continues after it with a separator.
@@ -212,8 +207,8 @@ mod tests {
         assert_eq!(selected("CiA 301 7.2.8"), selected("7.2.8"));
         assert!(selected("CiA 305 7.2.8").is_empty());
         assert!("".parse::<Selector>().is_err());
-        assert_eq!(nearest(&Selector::Prefix("301/heartbeet".to_owned())), Some("301/heartbeat"));
-        assert_eq!(nearest(&Selector::Prefix("nonsense".to_owned())), None);
+        assert_eq!(meant(&Selector::Prefix("301/heartbeet".to_owned())), " (is 301/heartbeat meant?)");
+        assert_eq!(meant(&Selector::Prefix("nonsense".to_owned())), "");
         let idle = select(&["301/sod".parse().unwrap()]).map(|cases| cases.len());
         assert_eq!(idle, Err(Selector::Prefix("301/sod".to_owned())));
     }

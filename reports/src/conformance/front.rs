@@ -22,6 +22,7 @@ const REASONS: usize = 8;
 pub(super) fn sections(run: &Run) -> Vec<Section> {
     let mut sections = vec![section("conclusion", "Conclusion", conclusion(run))];
     let mut add = |id, title, table: Option<Table>| {
+        let table = table.map(|table| Table { class: "front", ..table });
         sections.extend(table.map(|table| section(id, title, vec![Block::Table(table)])));
     };
     add("defects", "Defects", defects_of(run));
@@ -76,8 +77,14 @@ fn sentence(run: &Run) -> String {
         true => "",
         false => "; the device was not left as it was found",
     };
+    let ended = if run.summary.cancelled { "; the run ended before all cases had run" } else { "" };
+    let tried = if executed == 1 {
+        "in the one case that was tried".to_owned()
+    } else {
+        format!("in all {executed} cases that were tried")
+    };
     let result = match (defects, count(Kind::Fail), count(Kind::Deviation)) {
-        (0, 0, 0) => format!("the device conforms in all {executed} cases that were tried"),
+        (0, 0, 0) => format!("the device conforms {tried}"),
         (0, 0, deviations) => format!(
             "the device conforms in {} of {executed} cases that were tried, and deviates in {deviations} as its manual or \
              a waiver says",
@@ -88,10 +95,10 @@ fn sentence(run: &Run) -> String {
             counted(defects, "defect")
         ),
     };
-    format!("{result}{open}{left}")
+    format!("{result}{open}{left}{ended}")
 }
 
-/// The standards of the cases that ran, with the edition where one is cited.
+/// The standards of the executed cases. CiA 301 has its edition, because the clauses are cited from it.
 fn editions(run: &Run) -> String {
     let executed = run.cases.iter().filter(|report| report.verdict.kind().is_executed());
     let standards: BTreeSet<&str> = executed.map(|report| report.case.clause.standard).collect();

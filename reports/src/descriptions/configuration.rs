@@ -3,7 +3,7 @@
 use super::difference::json::content;
 use crate::document::{Block, Cell, Depth, Document, Report, Row, Section, Table, Tone};
 use crate::escape::JsonText;
-use crate::page_text::none_or_counted;
+use crate::page_text::{counted, none_or_counted};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::dictionary::difference::Fact;
 use canvass_analyzer::dictionary::{DataClass, DataType, Setting, Value as Content};
@@ -104,7 +104,7 @@ impl DifferingSetting {
 impl Report for ComparedConfigurations {
     fn document(&self, depth: Depth) -> Document {
         let differences = none_or_counted(self.differences.len(), "difference");
-        let summary = format!("{} settings compared, {differences}", self.settings);
+        let summary = format!("{} compared, {differences}", counted(self.settings, "setting"));
         let (title, outcome) = match depth {
             Depth::Screen => (String::new(), format!("{} and {}: {summary}", self.one, self.other)),
             Depth::Paper | Depth::Print | Depth::Page => (format!("{} and {}", self.one, self.other), summary),

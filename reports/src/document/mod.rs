@@ -91,7 +91,7 @@ pub enum Depth {
     Screen,
     /// The facts that a ticket needs.
     Paper,
-    /// As on paper, with a first page to sign.
+    /// A first page to sign, and the facts that a ticket needs.
     Print,
     /// All facts, for a page.
     Page,

@@ -16,7 +16,7 @@ pub enum Allowed {
     Sync,
     /// Moves a zero point
     Preset,
-    /// Writes other objects that act: commands, clocks, histories
+    /// Writes outputs and other objects that act: commands, clocks, histories
     Commands,
     /// Writes to a device whose identity (1018h) is not that of the file
     Identity,
@@ -33,7 +33,7 @@ pub const fn needed(hazard: Hazard) -> Option<Allowed> {
         Hazard::SyncProducer => Allowed::Sync,
         Hazard::Acts(Acting::MovesZeroPoint) => Allowed::Preset,
         Hazard::Acts(Acting::Stores) => return None,
-        Hazard::Acts(Acting::Clears | Acting::SetsClock | Acting::Commands) => Allowed::Commands,
+        Hazard::Acts(Acting::Clears | Acting::SetsClock | Acting::Commands) | Hazard::Process => Allowed::Commands,
     })
 }
 

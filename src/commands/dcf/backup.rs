@@ -2,11 +2,12 @@
 
 use super::device::{BusOptions, Session};
 use super::file::Written;
-use super::read::{bytes, read, write};
+use super::read::{bytes, read};
 use crate::destination::refuse_existing;
 use crate::devices::DeviceArg;
 use crate::output::diagnostic;
 use crate::status::{Failure, Status};
+use crate::whole_file::write_whole;
 use anyhow::{Context, Result, anyhow};
 use canvass_analyzer::NodeId;
 use canvass_analyzer::dictionary::configuration::{Project, ProjectNode};
@@ -61,7 +62,7 @@ impl Args {
                 None => status = Status::Findings,
             }
         }
-        write(&list, project.text().as_bytes())?;
+        write_whole(&list, project.text().as_bytes())?;
         session.report_health();
         diagnostic(&format!("canvass: {} nodes in {}", project.nodes.len(), list.display()));
         Ok(status)
@@ -79,7 +80,7 @@ impl Args {
             return Ok(None);
         }
         let kept = read(session, node, &self.device, Some(Path::new(&name)))?;
-        write(&path, &bytes(&kept, node, Written::Form(Form::Dcf))?)?;
+        write_whole(&path, &bytes(&kept, node, Written::Form(Form::Dcf))?)?;
         Ok(Some(ProjectNode { name: kept.description.device.product_name, dcf: name }))
     }
 }

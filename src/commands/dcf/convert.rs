@@ -1,17 +1,17 @@
 //! `canvass dcf convert`: configurations from one format to another.
 
 use super::file::{ConfigurationFile, Content, Written};
-use super::read::{bytes_of, write};
+use super::read::bytes_of;
 use crate::destination::refuse_existing;
-use crate::devices::{describe, parse_node};
+use crate::devices::{describe, named, parse_node};
 use crate::files::Files;
-use crate::output::unless_closed;
+use crate::output::write_bytes;
 use crate::status::{Failure, Status};
+use crate::whole_file::write_whole;
 use anyhow::{Result, anyhow, bail};
 use canvass_analyzer::NodeId;
 use canvass_analyzer::dictionary::configuration::setting_of;
 use canvass_analyzer::dictionary::{Commissioning, DeviceDescription};
-use std::io::Write as _;
 use std::path::{Path, PathBuf};
 
 /// Convert a configuration: DCF, XDC and concise DCF (1F22h)
@@ -54,10 +54,9 @@ impl Args {
         let node = node.ok_or_else(|| anyhow!("{} names no node-ID: use --node N", self.input.display()))?;
         let bytes = bytes_of(&self.description(file, node)?, node, written)?;
         match output {
-            Some(path) => write(path, &bytes)?,
+            Some(path) => write_whole(path, &bytes)?,
             None => {
-                let mut output = crate::output::raw();
-                unless_closed(output.write_all(&bytes).and_then(|()| output.flush()))?;
+                write_bytes(&bytes)?;
             }
         }
         Ok(Status::Good)
@@ -87,7 +86,7 @@ impl Args {
 
     fn described(&self, path: &Path) -> Result<DeviceDescription> {
         let device = self.device.as_deref();
-        let device = device.map(|device| device.split_once('=').map_or(device, |(_, device)| device));
+        let device = device.map(named);
         let device = device.ok_or_else(|| {
             anyhow!("{} is a concise DCF, which has values only: describe the device with --device", path.display())
         })?;

@@ -1,9 +1,10 @@
 //! The devices on a bus, as far as reading and writing configurations needs them.
 
+use crate::commands::eds::device::Reading;
 use crate::devices::{DeviceArg, describe};
 use crate::interrupt::Interrupt;
 use crate::live::{ClientArg, Live, parse_span};
-use crate::output::{diagnostic, is_seen, show_progress};
+use crate::output::diagnostic;
 use crate::reconnect::ReconnectArg;
 use crate::status::Failure;
 use anyhow::{Result, anyhow};
@@ -19,9 +20,7 @@ use canvass_bus::client::sdo::Mode;
 use canvass_bus::client::{Exchange, Outcome, Surveyor, Transfer, UploadLimit};
 use canvass_bus::{BusError, PatientBus};
 use canvass_device::models::Model;
-use canvass_reports::escape::Printable;
 use canvass_traces::{CanId, Duration, Frame, Record, Timestamp};
-use std::time::Instant;
 
 /// A bus, as typed.
 #[derive(clap::Args)]
@@ -51,8 +50,6 @@ const STORING: Duration = Duration::from_secs(10);
 const HEARTBEAT: Duration = Duration::from_secs(10);
 /// How long to wait for the answer to a guarding request.
 const GUARDING: Duration = Duration::from_millis(200);
-/// Interval between two updates of the progress.
-const PAUSE: std::time::Duration = std::time::Duration::from_millis(200);
 
 impl Session {
     /// Opens the bus for these nodes.
@@ -186,12 +183,9 @@ impl Session {
         let patience = self.patience;
         let mut bus = PatientBus::new(self.live.bus.as_mut(), self.reconnect.endurance(&interrupt));
         let mut exchange = Exchange { bus: &mut bus, observe: &mut |_: &Record| {}, ends: Timestamp::MAX };
-        let mut shown = Instant::now();
+        let mut reading = Reading::begin(node);
         let mut watch = |at: Multiplexer| {
-            if is_seen() && shown.elapsed() >= PAUSE {
-                shown = Instant::now();
-                show_progress(&Printable::line(&format!("canvass: node {node}: reading {at}")));
-            }
+            reading.show(at);
             !interrupt.came()
         };
         let mut surveyor = Surveyor::new(&mut exchange, node, patience, &mut watch).within(UploadLimit::OF_MANY);
@@ -203,9 +197,7 @@ impl Session {
         };
         let done = read();
         let (survey, _) = surveyor.into_survey();
-        if is_seen() {
-            show_progress(&Printable::line(""));
-        }
+        reading.end();
         done.map_err(Failure::unreachable)?;
         Ok(survey)
     }

@@ -2,16 +2,16 @@
 
 use super::device::{BusOptions, Session};
 use super::file::ConfigurationFile;
-use crate::devices::{describe, parse_node};
-use crate::output::{Color, Output, terminal_width, unless_closed};
+use crate::devices::{describe, named, parse_node};
+use crate::output::{Color, TextJsonOrMarkdown, terminal_width};
 use crate::status::{Failure, Status};
 use anyhow::{Result, anyhow};
-use canvass_analyzer::dictionary::configuration::{Download, Hazard, hazard};
+use canvass_analyzer::dictionary::configuration::{DeviceSettings, Download};
 use canvass_analyzer::dictionary::survey::{Answer, Survey};
 use canvass_analyzer::dictionary::{DeviceDescription, KnownDevice};
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_reports::descriptions::configuration::{ComparedConfigurations, DifferingSetting, SideOfSetting};
-use canvass_reports::document::{Form, Report as _, Style};
+use canvass_reports::document::Style;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -38,39 +38,22 @@ pub struct Args {
     device: Option<String>,
     /// How to print the differences
     #[arg(long, value_enum, default_value_t)]
-    format: DiffFormat,
+    format: TextJsonOrMarkdown,
     #[command(flatten)]
     options: BusOptions,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
-enum DiffFormat {
-    /// For people: a table
-    #[default]
-    Text,
-    /// One JSON object
-    Json,
-    /// For tickets and wikis
-    Markdown,
 }
 
 impl Args {
     pub fn run(self, color: Color) -> Result<Status, Failure> {
         let compared = self.compare()?;
         let style = Style { color: color.on_stdout(), width: terminal_width() };
-        let form = match self.format {
-            DiffFormat::Text => Form::Text(style),
-            DiffFormat::Json => Form::Json,
-            DiffFormat::Markdown => Form::Markdown,
-        };
-        let mut output = Output::text(style.color);
-        unless_closed(compared.write(form, &mut output).and_then(|()| Output::flush(&output)))?;
+        self.format.print(&compared, style)?;
         Ok(if compared.differences.is_empty() { Status::Good } else { Status::Findings })
     }
 
     fn compare(&self) -> Result<ComparedConfigurations, Failure> {
         let file = ConfigurationFile::read(&self.file)?;
-        let given = self.device.as_deref().map(|device| device.split_once('=').map_or(device, |(_, device)| device));
+        let given = self.device.as_deref().map(named);
         let given = given.map(describe).transpose()?;
         let known = file.known(given.as_ref());
         let (path, name) = (Path::new(&self.other), self.file.display().to_string());
@@ -83,7 +66,7 @@ impl Args {
         let node = node.ok_or_else(|| anyhow!("{name} names no node-ID: use --node N"))?;
         let manual = session.models(node)?.first().map(|model| model.device().manual.clone());
         let known = KnownDevice { manual: manual.unwrap_or_default(), ..known };
-        let wanted = settings(file.values(node)?, &known);
+        let wanted = settings(file.values(node)?, &known, node);
         let mut survey = Survey::default();
         for download in &wanted {
             if let Some(value) = session.value(node, download.at)? {
@@ -101,8 +84,8 @@ impl Args {
         other: &ConfigurationFile,
     ) -> Result<ComparedConfigurations> {
         let node = |file: &ConfigurationFile| self.node.or(file.node()).unwrap_or(NodeId::MIN);
-        let one = settings(file.values(node(file))?, known);
-        let second = settings(other.values(node(other))?, &other.known(Some(known)));
+        let one = settings(file.values(node(file))?, known, node(file));
+        let second = settings(other.values(node(other))?, &other.known(Some(known)), node(other));
         let values: BTreeMap<Multiplexer, Vec<u8>> =
             second.iter().map(|download| (download.at, download.value.clone())).collect();
         let survey: Survey = values.iter().map(|(at, value)| (*at, Answer::Value(value.clone()))).collect();
@@ -122,9 +105,9 @@ impl Args {
 }
 
 /// The values without those of entries that act.
-fn settings(values: Vec<Download>, known: &KnownDevice) -> Vec<Download> {
-    let acts = |download: &Download| matches!(hazard(download.at, &download.value, known), Some(Hazard::Acts(_)));
-    values.into_iter().filter(|download| !acts(download)).collect()
+fn settings(values: Vec<Download>, known: &KnownDevice, node: NodeId) -> Vec<Download> {
+    let of_device = DeviceSettings::described(known, node);
+    values.into_iter().filter(|download| !of_device.acts(download.at)).collect()
 }
 
 /// Compares wanted values with what was read.

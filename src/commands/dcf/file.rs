@@ -35,8 +35,8 @@ impl ConfigurationFile {
         let has_values = description.dictionary.entries().any(|(_, entry)| entry.configured.is_some());
         if !has_values {
             bail!(
-                "{name} has no configured values (ParameterValue): it describes a type of device; `canvass dcf read` \
-                 makes a DCF of a device"
+                "{name} has no configured values (ParameterValue), so there is nothing to write or to compare; `canvass \
+                 dcf read` makes a DCF of a device"
             );
         }
         Ok(Self { path: path.to_owned(), content: Content::Description(Box::new(description)) })

@@ -4,16 +4,15 @@ use super::device::{BusOptions, Session, tell, told_objects};
 use super::file::Written;
 use crate::commands::eds::from_device::file_info;
 use crate::destination::refuse_existing;
-use crate::devices::{DeviceArg, parse_node};
-use crate::output::unless_closed;
+use crate::devices::{DeviceArg, named, parse_node};
+use crate::output::write_bytes;
 use crate::status::{Failure, Status};
-use crate::whole_file::WholeFile;
-use anyhow::{Context, Result, anyhow};
+use crate::whole_file::write_whole;
+use anyhow::{Result, anyhow};
 use canvass_analyzer::NodeId;
 use canvass_analyzer::dictionary::configuration::{Download, Excluded, ReadConfiguration, from_device, write_concise};
 use canvass_analyzer::dictionary::convert;
 use canvass_analyzer::dictionary::{DeviceDescription, KnownDevice};
-use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// Read the configuration of a device into a DCF, XDC or concise DCF; nothing is written to the device
@@ -55,17 +54,16 @@ impl Args {
         let given: Vec<NodeId> = self.node.into_iter().collect();
         let mut session = Session::open(&self.bus, &given, &self.options)?;
         let node = self.node.or(session.simulated_node()).ok_or_else(|| anyhow!("which node? use --node N"))?;
-        let device = self.device.as_deref().map(|device| device.split_once('=').map_or(device, |(_, file)| file));
+        let device = self.device.as_deref().map(named);
         let devices: Vec<DeviceArg> =
             device.iter().map(|device| DeviceArg { nodes: vec![node], device: (*device).to_owned() }).collect();
         let read = read(&mut session, node, &devices, self.output.as_deref())?;
         session.report_health();
         let bytes = bytes(&read, node, written)?;
         match &self.output {
-            Some(path) => write(path, &bytes)?,
+            Some(path) => write_whole(path, &bytes)?,
             None => {
-                let mut output = crate::output::raw();
-                unless_closed(output.write_all(&bytes).and_then(|()| output.flush()))?;
+                write_bytes(&bytes)?;
             }
         }
         Ok(if read.unread.is_empty() { Status::Good } else { Status::Findings })
@@ -121,10 +119,4 @@ pub fn bytes_of(description: &DeviceDescription, node: NodeId, written: Written)
             Ok(write_concise(&downloads.into_iter().collect::<Vec<Download>>()))
         }
     }
-}
-
-pub fn write(path: &Path, bytes: &[u8]) -> Result<()> {
-    let file = WholeFile::create(path)?;
-    file.writer()?.write_all(bytes).with_context(|| format!("can't write {}", path.display()))?;
-    file.complete()
 }

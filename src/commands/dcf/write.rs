@@ -11,7 +11,7 @@ use crate::status::{Failure, Status};
 use anyhow::{Result, anyhow};
 use canvass_analyzer::NodeId;
 use canvass_analyzer::dictionary::KnownDevice;
-use canvass_analyzer::dictionary::configuration::{Download, configured, hazard, ordered};
+use canvass_analyzer::dictionary::configuration::{DeviceSettings, Download, configured, ordered};
 use job::Job;
 use nodes::{Nodes, plan};
 use std::path::PathBuf;
@@ -84,11 +84,8 @@ pub fn in_order(known: &KnownDevice, node: NodeId) -> Result<Vec<Download>> {
         let told: Vec<String> = bad.iter().map(ToString::to_string).collect();
         anyhow!("{}", told.join("\n"))
     })?;
-    let acts = |download: &Download| {
-        use canvass_analyzer::dictionary::configuration::Hazard;
-        matches!(hazard(download.at, &download.value, known), Some(Hazard::Acts(_)))
-    };
-    let settings: Vec<Download> = values.into_iter().filter(|download| !acts(download)).collect();
+    let of_device = DeviceSettings::described(known, node);
+    let settings: Vec<Download> = values.into_iter().filter(|download| !of_device.acts(download.at)).collect();
     Ok(ordered(&settings, &[]))
 }
 

@@ -4,17 +4,16 @@ use super::found::{Description, description};
 use crate::destination::refuse_existing;
 use crate::devices::parse_node;
 use crate::files::Files;
-use crate::output::{diagnostic, unless_closed};
+use crate::output::{diagnostic, write_bytes};
 use crate::status::{Failure, Status};
-use crate::whole_file::WholeFile;
+use crate::whole_file::write_whole;
 use anyhow::{Context, Result, bail};
 use canvass_analyzer::NodeId;
 use canvass_analyzer::dictionary::convert::{Form, convert};
 use canvass_analyzer::dictionary::{DeviceDescription, KnownDevice};
 use canvass_reports::descriptions::dbc;
 use clap::ValueEnum;
-use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Losses printed without `--all-losses`; the rest is only counted.
 const SHOWN: usize = 20;
@@ -102,10 +101,9 @@ impl Args {
             Target::Dbc => self.database(description)?,
         };
         if is_stdout {
-            let mut output = crate::output::raw();
-            unless_closed(output.write_all(&written).and_then(|()| output.flush()))?;
+            write_bytes(&written)?;
         } else {
-            write(&self.output, &written)?;
+            write_whole(&self.output, &written)?;
         }
         self.tell(&losses);
         Ok(Status::Good)
@@ -161,10 +159,4 @@ impl Args {
             diagnostic(&format!("{name}: {rest} more items are lost: --all-losses lists all"));
         }
     }
-}
-
-fn write(path: &Path, written: &[u8]) -> Result<()> {
-    let file = WholeFile::create(path)?;
-    file.writer()?.write_all(written).with_context(|| format!("can't write {}", path.display()))?;
-    file.complete()
 }

@@ -83,26 +83,49 @@ impl Opened {
         let mut observe = |_: &Record| {};
         let mut bus = PatientBus::new(self.live.bus.as_mut(), self.reconnect.endurance(&interrupt));
         let mut exchange = Exchange { bus: &mut bus, observe: &mut observe, ends: Timestamp::MAX };
-        let mut shown = Instant::now();
+        let mut reading = Reading::begin(self.node);
         let mut watch = |at: Multiplexer| {
-            if is_seen() && shown.elapsed() >= PAUSE {
-                shown = Instant::now();
-                show_progress(&Printable::line(&format!("canvass: reading {at}")));
-            }
+            reading.show(at);
             !interrupt.came()
         };
         let mut surveyor = Surveyor::new(&mut exchange, self.node, self.patience, &mut watch).within(self.limit);
         let done = read(&mut surveyor);
         let unread = surveyor.unread();
         let (survey, excesses) = surveyor.into_survey();
-        if is_seen() {
-            show_progress(&Printable::line(""));
-        }
+        reading.end();
         self.live.report_health();
         excesses.iter().for_each(|(at, excess)| diagnostic(&format!("canvass: {at}: {}", told(excess))));
         Ok(Surveyed { survey, done, unread })
     }
 }
 
-/// Interval between two updates of the progress.
+/// The line that shows which entry of a device is being read.
+pub struct Reading {
+    node: NodeId,
+    shown: Instant,
+}
+
+/// Interval between two updates of the line.
 const PAUSE: std::time::Duration = std::time::Duration::from_millis(200);
+
+impl Reading {
+    /// Nothing is shown during the first interval: most devices are read in less.
+    pub fn begin(node: NodeId) -> Self {
+        Self { node, shown: Instant::now() }
+    }
+
+    /// Shows the entry, if the last one has been shown for a while.
+    pub fn show(&mut self, at: Multiplexer) {
+        if is_seen() && self.shown.elapsed() >= PAUSE {
+            self.shown = Instant::now();
+            show_progress(&Printable::line(&format!("canvass: node {}: reading {at}", self.node)));
+        }
+    }
+
+    /// Clears the line.
+    pub fn end(self) {
+        if is_seen() {
+            show_progress(&Printable::line(""));
+        }
+    }
+}

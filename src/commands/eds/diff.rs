@@ -1,13 +1,13 @@
 //! `canvass eds diff`: what a release changed between two device descriptions.
 
 use super::found::{Description, description};
-use crate::output::{Color, Output, unless_closed};
+use crate::output::{Color, TextJsonOrMarkdown};
 use crate::status::{Failure, Status};
 use anyhow::{Result, bail};
 use canvass_analyzer::dictionary::DeviceDescription;
 use canvass_analyzer::dictionary::difference::{Class, compare};
 use canvass_reports::descriptions::difference::Compared;
-use canvass_reports::document::{Form, Report as _, Style};
+use canvass_reports::document::Style;
 use std::path::{Path, PathBuf};
 
 /// Compare two device descriptions: the changes of a release, and which of them are breaking
@@ -24,21 +24,10 @@ pub struct Args {
     new: PathBuf,
     /// How to print the differences
     #[arg(long, value_enum, default_value_t)]
-    format: DiffFormat,
+    format: TextJsonOrMarkdown,
     /// The least serious class of changes that makes the exit status 1
     #[arg(long, value_enum, value_name = "CLASS", default_value_t)]
     fail_on_change: FailOn,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
-enum DiffFormat {
-    /// For people: each kind of change, its places and its consequence
-    #[default]
-    Text,
-    /// One JSON object
-    Json,
-    /// For tickets and wikis
-    Markdown,
 }
 
 #[derive(Clone, Copy, Default, clap::ValueEnum)]
@@ -69,13 +58,7 @@ impl Args {
     pub fn run(self, color: Color) -> Result<Status, Failure> {
         let compared = self.compare()?;
         let style = Style { color: color.on_stdout(), width: None };
-        let form = match self.format {
-            DiffFormat::Text => Form::Text(style),
-            DiffFormat::Json => Form::Json,
-            DiffFormat::Markdown => Form::Markdown,
-        };
-        let mut output = Output::text(style.color);
-        unless_closed(compared.write(form, &mut output).and_then(|()| Output::flush(&output)))?;
+        self.format.print(&compared, style)?;
         let fails = self.fail_on_change.least().is_some_and(|least| compared.has(least));
         Ok(if fails { Status::Findings } else { Status::Good })
     }

@@ -3,16 +3,15 @@
 use super::device::DeviceArgs;
 use crate::commands::sdo::object::hexadecimal;
 use crate::destination::refuse_existing;
-use crate::output::{diagnostic, unless_closed};
+use crate::output::{diagnostic, write_bytes};
 use crate::provenance::date_of_file;
 use crate::status::{Failure, Status};
-use crate::whole_file::WholeFile;
-use anyhow::{Context, Result, anyhow};
+use crate::whole_file::write_whole;
+use anyhow::{Result, anyhow};
 use canvass_analyzer::dictionary::FileInfo;
 use canvass_analyzer::dictionary::survey::describe::{Scan, Scanned};
 use canvass_analyzer::{Index, Multiplexer, NodeId};
 use canvass_bus::client::SurveyError;
-use std::io::Write;
 use std::ops::RangeInclusive;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -77,10 +76,9 @@ impl Args {
         let (scanned, missing) = self.scan()?;
         let text = scanned.eds();
         match &self.output {
-            Some(path) => write(path, text.as_bytes())?,
+            Some(path) => write_whole(path, text.as_bytes())?,
             None => {
-                let mut output = crate::output::raw();
-                unless_closed(output.write_all(text.as_bytes()).and_then(|()| output.flush()))?;
+                write_bytes(text.as_bytes())?;
             }
         }
         tell(&scanned);
@@ -172,12 +170,6 @@ impl Missing {
             _ => Self { what: error.to_string(), status: Status::Unreachable },
         }
     }
-}
-
-fn write(path: &Path, text: &[u8]) -> Result<()> {
-    let file = WholeFile::create(path)?;
-    file.writer()?.write_all(text).with_context(|| format!("can't write {}", path.display()))?;
-    file.complete()
 }
 
 fn tell(scanned: &Scanned) {

@@ -2,7 +2,7 @@
 
 mod check;
 mod convert;
-mod device;
+pub mod device;
 mod diff;
 pub mod found;
 pub mod from_device;

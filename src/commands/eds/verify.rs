@@ -2,11 +2,11 @@
 
 use super::device::DeviceArgs;
 use super::found::{Description, description};
-use crate::output::{Color, Output, terminal_width, unless_closed};
+use crate::output::{Color, TextJsonOrMarkdown, terminal_width};
 use crate::status::{Failure, Status};
 use canvass_analyzer::dictionary::survey::compare::{IDENTITY, compare};
 use canvass_reports::descriptions::verification::Verification;
-use canvass_reports::document::{Form, Report as _, Style};
+use canvass_reports::document::Style;
 use std::ops::RangeInclusive;
 use std::path::PathBuf;
 
@@ -30,18 +30,7 @@ pub struct Args {
     as_delivered: bool,
     /// How to print the differences
     #[arg(long, value_enum, default_value_t)]
-    format: VerifyFormat,
-}
-
-#[derive(Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
-enum VerifyFormat {
-    /// For people: a table
-    #[default]
-    Text,
-    /// One JSON object
-    Json,
-    /// For tickets and wikis
-    Markdown,
+    format: TextJsonOrMarkdown,
 }
 
 /// The default range for undescribed objects.
@@ -52,13 +41,7 @@ impl Args {
     pub fn run(self, color: Color) -> Result<Status, Failure> {
         let verification = self.verify()?;
         let style = Style { color: color.on_stdout(), width: terminal_width() };
-        let form = match self.format {
-            VerifyFormat::Text => Form::Text(style),
-            VerifyFormat::Json => Form::Json,
-            VerifyFormat::Markdown => Form::Markdown,
-        };
-        let mut output = Output::text(style.color);
-        unless_closed(verification.write(form, &mut output).and_then(|()| Output::flush(&output)))?;
+        self.format.print(&verification, style)?;
         let differs = verification.differences().next().is_some();
         Ok(if differs { Status::Findings } else { Status::Good })
     }

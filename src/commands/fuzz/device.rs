@@ -1,6 +1,6 @@
 //! The device to fuzz: a simulated device, made anew for each sequence, or a device on a live bus.
 
-use crate::devices::describe;
+use crate::devices::{describe, named};
 use crate::live::{CLIENT, limited, open_bus_of, open_device_bus};
 use crate::status::Failure;
 use anyhow::anyhow;
@@ -31,7 +31,7 @@ enum Place {
 impl Device {
     /// Opens the bus. `device` is the value of `--device`.
     pub fn open(address: &str, node: Option<NodeId>, device: Option<&str>, seed: u64) -> Result<Self, Failure> {
-        let named = device.map(|device| device.split_once('=').map_or(device, |(_, device)| device));
+        let named = device.map(named);
         if let BusAddress::Simulated(devices) = address.parse()? {
             let [only] = &devices[..] else {
                 let found = devices.len();

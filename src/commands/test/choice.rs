@@ -5,7 +5,7 @@ use crate::status::Failure;
 use anyhow::{Context, anyhow};
 use canvass_reports::results::{self, TestResult};
 use canvass_suite::case::Case;
-use canvass_suite::catalogue::{Selector, cases, find, nearest, select, shuffled};
+use canvass_suite::catalogue::{Selector, cases, find, meant, select, shuffled};
 use canvass_traces::small_file::{self, OF_PROGRAM};
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
@@ -94,7 +94,7 @@ impl CaseChoice {
 }
 
 fn selects_nothing(option: &str, selector: &Selector) -> Failure {
-    let meant = nearest(selector).map(|family| format!(" (is {family} meant?)")).unwrap_or_default();
+    let meant = meant(selector);
     Failure::unreachable(anyhow!(
         "no case was executed: {option} {selector} selects none{meant}, see `canvass list cases`"
     ))

@@ -6,14 +6,13 @@ use super::reports::Reports;
 use crate::output::diagnostic;
 use crate::provenance::Collected;
 use crate::status::{Failure, Status};
-use crate::whole_file::WholeFile;
-use anyhow::{Context, Result};
+use crate::whole_file::write_whole;
+use anyhow::Result;
 use canvass_bus::Bus;
 use canvass_suite::bench::{Bench, Decoder, Evidence, Options, Target};
 use canvass_suite::case::Case;
 use canvass_suite::runner::{CaseReport, EndedEarly, Plan, RunError, RunEvent, Summary, run};
 use canvass_suite::waiver::{Waivers, suggested};
-use std::io::Write;
 use std::sync::atomic::AtomicBool;
 
 /// Everything that a run needs.
@@ -103,9 +102,7 @@ impl Course<'_> {
             diagnostic(&format!("canvass: nothing failed that is not excused: {} is not written", path.display()));
             return Ok(());
         };
-        let file = WholeFile::create(path)?;
-        file.writer()?.write_all(text.as_bytes()).with_context(|| format!("can't write {}", path.display()))?;
-        file.complete()
+        write_whole(path, text.as_bytes())
     }
 
     /// Prints the warnings that need the results of all cases.

@@ -159,12 +159,12 @@ pub fn print(report: &dyn document::Report, format: ReportFormat) -> io::Result<
     unless_closed(report.write(format.form(style), &mut out).and_then(|()| out.flush()))
 }
 
-/// Standard output for a report: text is made harmless for a terminal.
+/// Standard output for a report. Control characters of texts are escaped, a PDF is written as it is.
 fn of_stdout(format: ReportFormat, colors: bool) -> Box<dyn Write> {
     if format.is_binary() { Box::new(raw()) } else { Box::new(document(colors)) }
 }
 
-/// A file for a report: text is made harmless for a terminal.
+/// The file of a report. Control characters of texts are escaped, a PDF is written as it is.
 fn of_file(format: ReportFormat, file: &WholeFile) -> Result<Box<dyn Write>> {
     Ok(if format.is_binary() { Box::new(BufWriter::new(file.writer()?)) } else { Box::new(file.document()?) })
 }

@@ -1,6 +1,6 @@
 //! Makes a DCF from the answers of a device: its description with the values that its settings have.
 
-use super::{Excluded, excluded, setting_of};
+use super::{DeviceSettings, Excluded, setting_of};
 use crate::dictionary::description::{Commissioning, DeviceDescription};
 use crate::dictionary::manual::KnownDevice;
 use crate::dictionary::object::Object;
@@ -31,8 +31,9 @@ pub fn from_device(known: &KnownDevice, survey: &Survey, node: NodeId, bit_rate:
         unread: Vec::new(),
     };
     let number = |sub| survey.number(Multiplexer::new(object::IDENTITY, sub)).and_then(|raw| u32::try_from(raw).ok());
+    let settings = DeviceSettings::new(known, |at| survey.number(at));
     for object in known.description.dictionary.objects() {
-        let configured = configured(object, known, survey, node, &mut read);
+        let configured = configured(object, &settings, survey, node, &mut read);
         read.description.dictionary.insert(configured);
     }
     let before = known.description.commissioning.clone().unwrap_or_default();
@@ -47,7 +48,7 @@ pub fn from_device(known: &KnownDevice, survey: &Survey, node: NodeId, bit_rate:
 
 fn configured(
     object: &Object,
-    known: &KnownDevice,
+    settings: &DeviceSettings<'_>,
     survey: &Survey,
     node: NodeId,
     read: &mut ReadConfiguration,
@@ -55,7 +56,7 @@ fn configured(
     let mut configured = object.clone();
     for entry in object.entries() {
         let at = Multiplexer { index: object.index, sub: entry.sub };
-        let reason = excluded(at, entry, known);
+        let reason = settings.excluded(at, entry);
         // The identity says which device the configuration is of.
         let is_identity = object.index.0 == object::IDENTITY && entry.sub.0 > 0;
         let setting = match reason {

@@ -12,7 +12,7 @@ pub use concise::{BadConcise, read_concise, write_concise};
 pub use from_device::{ReadConfiguration, from_device};
 pub use order::{companions, is_cob_id, ordered};
 pub use project::{BadProject, Project, ProjectNode};
-pub use setting::{Excluded, Hazard, excluded, hazard};
+pub use setting::{DeviceSettings, Excluded, Hazard};
 
 use super::description::DeviceDescription;
 use super::object::{Entry, Setting};

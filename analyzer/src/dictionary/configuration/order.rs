@@ -42,9 +42,9 @@ const SYNC_PERIOD: u16 = object::COMMUNICATION_CYCLE_PERIOD;
 const SYNC_OVERFLOW: u16 = object::SYNCHRONOUS_COUNTER_OVERFLOW;
 const TIME_ID: u16 = object::COB_ID_TIME;
 
-/// Bit 30 of 1005h and 1012h: the device produces SYNC or TIME.
+/// Bit 30 of 1005h or 1012h is set if the device produces SYNC or TIME.
 const PRODUCES: u32 = 1 << 30;
-/// Bit 31 of 1012h: the device consumes TIME.
+/// Bit 31 of 1012h is set if the device consumes TIME.
 const CONSUMES: u32 = 1 << 31;
 
 /// The writes, in order, that give objects these values. `held`: the current COB-IDs of the device.
@@ -67,7 +67,7 @@ const fn switched_off(index: u16, cob_id: u32) -> u32 {
     }
 }
 
-/// The steps, in order, that give objects these values.
+/// The writes that give objects these values, in their order.
 fn steps<'a>(downloads: impl IntoIterator<Item = &'a Download>, held: &[(Multiplexer, u32)]) -> Vec<Step> {
     let mut steps: Vec<Step> = Vec::new();
     for Download { at: multiplexer, value } in downloads {

@@ -1,6 +1,7 @@
 //! Configurations: values for a node, and concise DCFs.
 
 use super::*;
+use crate::dictionary::KnownDevice;
 use crate::identity::CobId;
 use proptest::prelude::*;
 
@@ -61,6 +62,42 @@ fn what_is_read_becomes_a_formula_where_the_default_is_one() {
     assert_eq!(setting_of(entry, &[0x89, 0, 0, 0], node(9)), Some(Setting::NodeIdPlus(0x80)));
     assert_eq!(setting_of(entry, &[0x8A, 0, 0, 0], node(9)), Some(Setting::Fixed(Value::Unsigned(0x8A))));
     assert_eq!(setting_of(entry, &[0x8A], node(9)), None);
+}
+
+/// Set-points of a drive and outputs in an RPDO are no settings: writing them moves something.
+#[test]
+fn what_moves_a_machine_is_no_setting() {
+    let entry = |index: &str, more: &str| format!("[{index}]\nParameterName=x\nDataType=7\nAccessType=rw\n{more}\n");
+    let drive = format!(
+        "{}{}{}{}{}",
+        entry("1000", "DefaultValue=0x00020192"),
+        entry("6040", ""),
+        entry("687A", ""),
+        entry("6081", ""),
+        entry("60FE", "")
+    );
+    let known = KnownDevice::described(read(&drive));
+    let settings = DeviceSettings::described(&known, node(5));
+    let acts = |index| settings.acts(Multiplexer::new(index, 0));
+    assert_eq!([0x6040, 0x687A, 0x60FE, 0x6081].map(acts), [true, true, true, false]);
+    // An output module: 2001h is in RPDO 1, 2002h is not, and the second entry of the mapping is not counted.
+    let module = format!(
+        "{}{}{}[1600]\nParameterName=m\nObjectType=9\nSubNumber=3\n[1600sub0]\nParameterName=n\nDataType=5\n\
+         AccessType=rw\nParameterValue=1\n{}{}",
+        entry("1000", "DefaultValue=0x00020191"),
+        entry("2001", ""),
+        entry("2002", ""),
+        entry("1600sub1", "ParameterValue=0x20010020"),
+        entry("1600sub2", "ParameterValue=0x20020020")
+    );
+    let known = KnownDevice::described(read(&module));
+    let settings = DeviceSettings::described(&known, node(5));
+    let why = |index| {
+        let at = Multiplexer::new(index, 0);
+        settings.excluded(at, known.description.dictionary.entry(at).unwrap())
+    };
+    assert_eq!((why(0x2001), why(0x2002)), (Some(Excluded::Process), None));
+    assert_eq!(settings.hazard(Multiplexer::new(0x2001, 0), &[1]), Some(Hazard::Process));
 }
 
 fn downloads() -> impl Strategy<Value = Vec<Download>> {

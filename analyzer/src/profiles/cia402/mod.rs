@@ -11,11 +11,16 @@ mod units;
 use crate::dictionary::Unit;
 use crate::dictionary::names::{Meaning, Profile, Registered, StandardObject, find_error};
 use crate::identity::{Index, Multiplexer};
+use crate::object::Acting;
 use crate::wire::emcy::EmcyCode;
 use state::{Command, State};
 
 /// The number of the profile, as in the low word of 1000h.
 pub const NUMBER: u16 = 402;
+
+/// The first object of the first axis, and the number of indexes of each axis.
+const FIRST: u16 = 0x6000;
+const OF_AXIS: u16 = 0x800;
 
 /// Maximum number of axes of a device.
 pub const AXES: usize = 8;
@@ -71,6 +76,24 @@ impl Profile for Cia402 {
 
     fn emergency(&self, code: EmcyCode) -> Option<&'static str> {
         find_error(error_codes::CODES, code)
+    }
+
+    /// The controlword and the set-points move a drive.
+    fn acting(&self, at: Multiplexer) -> Option<Acting> {
+        let index = at.index.0.checked_sub(FIRST).filter(|offset| *offset < AXES as u16 * OF_AXIS)? % OF_AXIS + FIRST;
+        let moves = matches!(
+            index,
+            objects::CONTROLWORD
+                | objects::VL_TARGET_VELOCITY
+                | objects::TARGET_TORQUE
+                | objects::TARGET_POSITION
+                | objects::POSITION_OFFSET
+                ..=objects::TORQUE_OFFSET
+                    | objects::INTERPOLATION_DATA
+                    | objects::DIGITAL_OUTPUTS
+                    | objects::TARGET_VELOCITY
+        );
+        moves.then_some(Acting::Commands)
     }
 }
 

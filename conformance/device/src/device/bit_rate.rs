@@ -43,8 +43,8 @@ impl Device {
         self.bit_rate.map_or(self.context.objects.model.sheet().network.default_bit_rate_kbit, |rate| rate / 1_000)
     }
 
-    /// Handles the order of the master of LSS or LMT: silence for `delay`, the new bit rate, and silence for `delay`
-    /// again.
+    /// Activates the configured bit rate, as the master of LSS or LMT orders. The device is silent for `delay` before the
+    /// change and for another `delay` after it.
     pub(super) fn activate_bit_rate(&mut self, now: Timestamp, bit_timing: Option<u8>, delay: Duration) {
         let delay = if self.context.has(Fault::LssActivatesAtOnce) { Duration::ZERO } else { delay };
         self.activation = Some(Activation { change: now + delay, bit_timing, end: now + delay.times(2) });

@@ -6,19 +6,21 @@ use crate::commands::dcf::device::{Session, tell, told_objects};
 use crate::commands::dcf::diff::compared;
 use crate::commands::dcf::file::ConfigurationFile;
 use crate::commands::dcf::journal::{self, Undo};
-use crate::devices::describe;
-use crate::output::{Color, Output, terminal_width, unless_closed};
+use crate::devices::{describe, named};
+use crate::output::{Color, TextJsonOrMarkdown, terminal_width};
 use crate::status::{Failure, Status};
 use anyhow::{Result, anyhow};
 use canvass_analyzer::dictionary::KnownDevice;
-use canvass_analyzer::dictionary::configuration::{Download, Hazard, companions, hazard, identity, is_cob_id, ordered};
+use canvass_analyzer::dictionary::configuration::{
+    DeviceSettings, Download, Hazard, companions, identity, is_cob_id, ordered,
+};
 use canvass_analyzer::dictionary::survey::{Answer, Survey};
 use canvass_analyzer::object;
 use canvass_analyzer::wire::error_control::State;
 use canvass_analyzer::{Multiplexer, NodeId};
 use canvass_bus::client::Outcome;
 use canvass_reports::descriptions::configuration::ComparedConfigurations;
-use canvass_reports::document::{Form, Report as _, Style};
+use canvass_reports::document::Style;
 use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::path::PathBuf;
 
@@ -49,7 +51,7 @@ impl Job {
         is_only: bool,
     ) -> Result<Self, Failure> {
         let values = file.values(node)?;
-        let given = args.device.as_deref().map(|device| device.split_once('=').map_or(device, |(_, device)| device));
+        let given = args.device.as_deref().map(named);
         let model = session.models(node)?.first().copied();
         let other = match given {
             Some(device) => Some((device.to_owned(), describe(device)?)),
@@ -60,14 +62,15 @@ impl Job {
             true => other.map(|(name, _)| name).unwrap_or_default(),
             false => file.path.display().to_string(),
         };
-        let wanted = without_acting(node, values, &known, &args.allow);
+        let settings = settings(node, &values, &known);
+        let wanted = without_acting(node, values, &settings, &args.allow);
         let survey = survey(session, node, &known, &wanted)?;
         check_identity(node, &known, &survey, &args.allow)?;
         let state = session.state(node, &survey)?;
         check_state(&session.address, node, state, &args.allow)?;
         let (one, address) = (file.path.display().to_string(), &session.address);
         let differences = compared((one, &wanted), (format!("node {node} on {address}"), &survey), &known.description);
-        check_hazards(node, &wanted, &differences, &known, &args.allow)?;
+        check_hazards(node, &wanted, &differences, &settings, &args.allow)?;
         let path = || journal::path(args.journal.as_deref(), address, node, is_only);
         let is_journaled = session.is_live() || args.journal.is_some();
         let journal = is_journaled.then(|| (path(), args.journal.is_some()));
@@ -77,8 +80,7 @@ impl Job {
     /// Prints what differs.
     pub fn show(&self, color: Color) -> Result<(), Failure> {
         let style = Style { color: color.on_stdout(), width: terminal_width() };
-        let mut output = Output::text(style.color);
-        unless_closed(self.differences.write(Form::Text(style), &mut output).and_then(|()| Output::flush(&output)))?;
+        TextJsonOrMarkdown::Text.print(&self.differences, style)?;
         Ok(())
     }
 
@@ -155,7 +157,11 @@ impl Job {
         if unlike > 0 {
             return Ok(Status::Findings);
         }
-        tell(self.node, &format!("{} settings written and read back", self.differences.differences.len()));
+        let written = match self.differences.differences.len() {
+            1 => "1 setting".to_owned(),
+            many => format!("{many} settings"),
+        };
+        tell(self.node, &format!("{written} written and read back"));
         if self.store {
             undo.map_or(Ok(()), Undo::store)?;
             match session.store(self.node)? {
@@ -215,13 +221,31 @@ fn survey(session: &mut Session, node: NodeId, known: &KnownDevice, wanted: &[Do
     Ok(survey)
 }
 
+/// The device with the RPDOs that it will have: outputs are no settings.
+fn settings<'a>(node: NodeId, values: &[Download], known: &'a KnownDevice) -> DeviceSettings<'a> {
+    DeviceSettings::new(known, |at| {
+        let written = values.iter().find(|download| download.at == at).map(|download| &download.value);
+        let number =
+            |value: &Vec<u8>| value.iter().take(8).rev().fold(0, |number, byte| number << 8 | u64::from(*byte));
+        let described = || known.description.dictionary.entry(at).ok()?.start_value(node)?.to_raw();
+        written.map(number).or_else(described)
+    })
+}
+
 /// The values without those of objects that act, unless the user allows them.
-fn without_acting(node: NodeId, values: Vec<Download>, known: &KnownDevice, allowed: &[Allowed]) -> Vec<Download> {
+fn without_acting(
+    node: NodeId,
+    values: Vec<Download>,
+    settings: &DeviceSettings<'_>,
+    allowed: &[Allowed],
+) -> Vec<Download> {
     let mut left: BTreeMap<Hazard, Vec<Multiplexer>> = BTreeMap::new();
     let mut wanted = Vec::new();
     for download in values {
-        match hazard(download.at, &download.value, known) {
-            Some(hazard @ Hazard::Acts(_)) if !needed(hazard).is_some_and(|needed| allowed.contains(&needed)) => {
+        match settings.hazard(download.at, &download.value) {
+            Some(hazard @ (Hazard::Acts(_) | Hazard::Process))
+                if !needed(hazard).is_some_and(|needed| allowed.contains(&needed)) =>
+            {
                 left.entry(hazard).or_default().push(download.at);
             }
             _ => wanted.push(download),
@@ -270,12 +294,12 @@ fn check_hazards(
     node: NodeId,
     wanted: &[Download],
     differences: &ComparedConfigurations,
-    known: &KnownDevice,
+    settings: &DeviceSettings<'_>,
     allowed: &[Allowed],
 ) -> Result<()> {
     let changed = |at: Multiplexer| differences.differences.iter().any(|differing| differing.at == at);
     for download in wanted.iter().filter(|download| changed(download.at)) {
-        if let Some(hazard) = hazard(download.at, &download.value, known)
+        if let Some(hazard) = settings.hazard(download.at, &download.value)
             && let Some(needed) = needed(hazard)
             && !allowed.contains(&needed)
         {
