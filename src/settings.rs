@@ -20,7 +20,7 @@ pub const ON_BUS: [&str; 5] = ["test", "fuzz", "monitor", "scan", "restore"];
 /// Commands that test one device.
 const OF_DEVICE: [&str; 2] = ["test", "fuzz"];
 /// Commands that take devices by node.
-const OF_NODES: [&str; 4] = ["decode", "diagnose", "signals", "monitor"];
+const OF_NODES: [&str; 5] = ["decode", "diagnose", "signals", "plot", "monitor"];
 
 /// The content of the file.
 pub struct Settings {

@@ -14,6 +14,7 @@
 //! - [`fleet`]: the results of a lake of captures and test results;
 //! - [`fuzz`]: the reports of a run of the fuzzer;
 //! - [`history`]: the verdicts of cases over the releases;
+//! - [`plot`]: values of PDOs as curves over time, in the terminal or as a picture;
 //! - [`provenance`]: the origin of a result;
 //! - [`quality`]: the quality of captures;
 //! - [`results`]: the types of the commands' JSON output;
@@ -41,6 +42,7 @@ pub mod fuzz;
 pub mod history;
 mod page;
 mod page_text;
+pub mod plot;
 pub mod provenance;
 mod push;
 pub mod quality;

@@ -23,6 +23,7 @@ pub mod lss;
 pub mod man;
 pub mod monitor;
 pub mod nmt;
+pub mod plot;
 pub mod record;
 pub mod restore;
 pub mod scan;

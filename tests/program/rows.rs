@@ -41,7 +41,7 @@ fn a_table_has_a_header_and_rules() {
 fn signals_as_columns() {
     let printed = run(&["signals", COMMISSIONING, "--device", DEVICE]);
     let expected = "\
-t [ns],channel,node,pdo,\"can0.5.Speed value, Speed value channel 1 [rpm]\",can0.5.Position value [steps],can0.5.Position value [°]
+t [ns],channel,node,pdo,\"node 5 Speed value, Speed value channel 1 [rpm]\",node 5 Position value [steps],node 5 Position value [°]
 1738061235550000000,can0,5,TPDO 2,1200,19642,863.173828
 1738061235560000000,can0,5,TPDO 2,1199,19643,863.217773
 ";
@@ -68,7 +68,7 @@ const LEARNED: &str = "\
 fn what_is_not_known_yet_is_empty() {
     let printed = run_with_input(&["signals", "-"], LEARNED);
     let expected = "\
-t [ns],channel,node,pdo,can0.1.2000h:00,can0.2.2000h:00
+t [ns],channel,node,pdo,node 1 2000h:00,node 2 2000h:00
 2000000000,can0,1,TPDO 1,256,
 2010000000,can0,2,TPDO 1,256,7
 2025000000,can0,1,TPDO 1,512,7
@@ -81,7 +81,7 @@ t [ns],channel,node,pdo,can0.1.2000h:00,can0.2.2000h:00
 fn rows_at_fixed_times_have_the_latest_values() {
     let printed = run_with_input(&["signals", "-", "--every", "10ms"], LEARNED);
     let expected = "\
-t [ns],can0.1.2000h:00,can0.2.2000h:00
+t [ns],node 1 2000h:00,node 2 2000h:00
 2000000000,256,
 2010000000,256,7
 2020000000,256,7
@@ -111,4 +111,38 @@ fn no_mapping_is_said() {
     let printed = run_with_input(&["signals", "-"], "(1.000000) can0 181#0001\n");
     assert_eq!((printed.status, printed.stdout.as_str()), (0, "t [ns],channel,node,pdo\n"));
     assert!(printed.stderr.contains("--device"), "{}", printed.stderr);
+}
+
+/// A position that rises by one step each 10 ms: drawn in the terminal, and as a picture.
+#[test]
+fn values_are_drawn() {
+    let folder = tempfile::tempdir().unwrap();
+    let log = folder.path().join("rising.log");
+    let line = |n: u32| format!("({}.{:06}) can0 285#{}0000\n", n / 100, n % 100 * 10_000, hex(n));
+    std::fs::write(&log, (0..200).map(line).collect::<String>()).unwrap();
+    let log = log.to_str().unwrap();
+    let drawn = run(&["plot", log, "--device", "5=kuebler-sendix-58x8", "--signal", "node 5 position steps"]);
+    let lines: Vec<&str> = drawn.stdout.lines().collect();
+    assert!(lines[0].contains("node 5 Position value [steps]"), "{} {}", drawn.stdout, drawn.stderr);
+    assert!(lines[1].trim_start().starts_with("200 steps │"), "{}", drawn.stdout);
+    assert!(lines[11].ends_with("2.0 s") && lines[12].ends_with("0 s is 0.000000 of the capture"), "{}", drawn.stdout);
+    let picture = folder.path().join("rising.svg");
+    let to = picture.to_str().unwrap();
+    let written = run(&["plot", log, "--device", "5=kuebler-sendix-58x8", "--signal", "steps", "-o", to]);
+    assert!(written.status == 0 && written.stdout.is_empty(), "{}", written.stderr);
+    assert!(std::fs::read_to_string(&picture).unwrap().starts_with("<svg"));
+    let other = run(&["plot", log, "--device", "5=kuebler-sendix-58x8", "--signal", "temperature"]);
+    assert!(
+        other.status == 2 && other.stderr.contains("expected one of node 5 Position value [steps]"),
+        "{}",
+        other.stderr
+    );
+    let unknown = run(&["plot", log]);
+    assert!(unknown.stderr.contains("node 5 TPDO 2: the mapping is not known (200 PDOs)"), "{}", unknown.stderr);
+    assert!(unknown.status == 2 && unknown.stderr.contains("--device 5=MODEL|FILE"), "{}", unknown.stderr);
+}
+
+/// The four bytes of a position, in the order of the bus.
+fn hex(value: u32) -> String {
+    value.to_le_bytes().iter().map(|byte| format!("{byte:02X}")).collect()
 }

@@ -57,6 +57,13 @@ impl Meaning<'_> {
         mapped.chain(multiplexed)
     }
 
+    /// Whether the frame is a PDO whose mapping is known.
+    pub fn has_known_layout(&self) -> bool {
+        let Message::Pdo(number) = self.decoded.message else { return false };
+        let node = self.decoded.node.and_then(|id| self.bus.node(id));
+        node.is_some_and(|node| node.known_layout(number).is_some())
+    }
+
     /// The name of the frame's object; `None` without an object or a name.
     pub fn object_name(&self) -> Option<Name<'_>> {
         let object = self.decoded.object?;

@@ -6,7 +6,8 @@ use std::collections::{HashMap, HashSet};
 
 /// A column of values of one type.
 pub struct Column {
-    /// The name of the column: `can0.63.Position value [steps]`.
+    /// The name of the column: `node 63 Position value [steps]`, and for other channels than that of the first column
+    /// `can1 node 63 Position value [steps]`.
     pub name: String,
     /// The channel of the PDO.
     pub channel: ChannelId,
@@ -94,13 +95,15 @@ impl Columns {
     /// A name that no other column has.
     fn free_name(&mut self, place: &Place<'_>, unit: &str) -> String {
         let object = place.signal.multiplexer();
-        let of_node = format!("{}.{}", place.channel_name, place.node);
+        let is_first = self.columns.first().is_none_or(|first| first.channel == place.channel);
+        let channel = if is_first { String::new() } else { format!("{} ", place.channel_name) };
+        let of_node = format!("{channel}node {}", place.node);
         let unit = if unit.is_empty() { String::new() } else { format!(" [{unit}]") };
         let name = place.signal.name().map(|name| name.to_string());
         let plain = name.as_deref().map_or_else(|| format!("{object}"), ToOwned::to_owned);
-        let first = format!("{of_node}.{plain}{unit}");
-        let second = || format!("{of_node}.{plain} {object}{unit}");
-        let further = || (2..).map(|n| format!("{of_node}.{plain} {object} #{n}{unit}"));
+        let first = format!("{of_node} {plain}{unit}");
+        let second = || format!("{of_node} {plain} {object}{unit}");
+        let further = || (2..).map(|n| format!("{of_node} {plain} {object} #{n}{unit}"));
         let mut candidates = std::iter::once(first).chain(std::iter::once_with(second)).chain(further());
         // One of the names is free, because there are more names than columns.
         let free = candidates.find(|name| !self.names.contains(name)).unwrap_or_default();

@@ -3,16 +3,21 @@
 //! A [`Sampler`] turns frames into rows, and a [`Sheet`] writes the rows. CSV has all columns in its first line, so its
 //! rows wait in a [`Spool`] until all columns are known.
 
+pub(crate) mod buckets;
 mod columns;
 mod csv;
+mod dropped;
 mod json;
 mod sampler;
+pub(crate) mod series;
 mod spool;
 
 pub use columns::{Column, Columns};
 pub use csv::CsvSheet;
+pub use dropped::Dropped;
 pub use json::JsonSheet;
 pub use sampler::{SampleRow, Sampler};
+pub use series::Series;
 pub use spool::Spool;
 
 use std::io;

@@ -2,6 +2,7 @@
 
 use super::Sheet;
 use super::columns::{Columns, Place};
+use super::dropped::Dropped;
 use canvass_analyzer::{Meaning, Message, NodeId, Number, PdoNumber, network::Decoded};
 use canvass_traces::{Channels, Duration, Record, Timestamp};
 use std::io;
@@ -30,6 +31,7 @@ pub struct Origin<'a> {
 pub struct Sampler {
     every: Option<Duration>,
     columns: Columns,
+    dropped: Dropped,
     /// The time of the next row, if rows come at fixed times.
     due: Option<Timestamp>,
     latest: Option<Timestamp>,
@@ -45,12 +47,18 @@ impl Sampler {
     /// A sampler with one row for each PDO, or with rows at the interval `every` that have the latest values.
     pub fn new(every: Option<Duration>) -> Self {
         let every = every.map(|every| Duration(every.nanos().max(1)));
-        Self { every, columns: Columns::default(), due: None, latest: None, changed: Vec::new(), skipped: 0 }
+        let (columns, dropped) = (Columns::default(), Dropped::default());
+        Self { every, columns, dropped, due: None, latest: None, changed: Vec::new(), skipped: 0 }
     }
 
     /// The columns so far.
     pub const fn columns(&self) -> &Columns {
         &self.columns
+    }
+
+    /// The mapped values that no row has.
+    pub const fn dropped(&self) -> &Dropped {
+        &self.dropped
     }
 
     /// Number of long silences that were left out.
@@ -73,6 +81,7 @@ impl Sampler {
     ) -> io::Result<()> {
         let (Message::Pdo(pdo) | Message::Mpdo(pdo, _)) = decoded.message else { return Ok(()) };
         let Some(node) = decoded.node else { return Ok(()) };
+        self.dropped.note(record, decoded, pdo, meaning);
         self.until(record.timestamp, sheet, out)?;
         if self.every.is_none() {
             self.changed.clear();

@@ -38,9 +38,15 @@ pub struct Args {
     #[arg(long)]
     force: bool,
     /// The indexes to read, in hexadecimal, such as 1000-1FFF; may be given several times
-    #[arg(long, value_name = "FIRST-LAST", default_value = "1000-FFFF")]
+    ///
+    /// By default 1000 to BFFF, and samples of C000 to FFFF, which CiA 301 reserves; if a sample exists, all of them.
+    #[arg(long, value_name = "FIRST-LAST")]
     range: Vec<IndexRange>,
 }
+
+/// The indexes that CiA 301 gives a use (7.4.1), and those that it reserves.
+const USED: RangeInclusive<u16> = 0x1000..=0xBFFF;
+const RESERVED: RangeInclusive<u16> = 0xC000..=0xFFFF;
 
 /// Indexes as typed: `1000-1FFF`, or `1018`.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -93,6 +99,10 @@ impl Args {
         let surveyed = opened.survey(|surveyor| {
             for at in canvass_analyzer::dictionary::survey::compare::IDENTITY {
                 surveyor.read(at)?;
+            }
+            if self.range.is_empty() {
+                let stopped = surveyor.area(USED)?;
+                return if stopped.is_some() { Ok(stopped) } else { surveyor.reserved(RESERVED) };
             }
             for range in &self.range {
                 if let Some(index) = surveyor.area(range.0.clone())? {

@@ -1,9 +1,9 @@
 //! The data of the page that findings and figures don't contain: frames, and values over time.
 
-use super::buckets::{Buckets, Merge};
 use super::excerpt::Excerpt;
-use super::series::Series;
 use crate::signals::Sampler;
+use crate::signals::buckets::{Buckets, Merge};
+use crate::signals::series::Series;
 use canvass_analyzer::findings::Observed;
 use canvass_analyzer::network::Event;
 use canvass_analyzer::wire::emcy::EmcyCode;

@@ -3,7 +3,6 @@
 //! The page contains a summary of the captures. Findings with their evidence and figures are markup. Frames and values
 //! over time are data for our own scripts, which show it as text and lines and never as markup.
 
-mod buckets;
 mod collector;
 mod data;
 mod excerpt;
@@ -11,7 +10,6 @@ mod findings;
 mod histogram;
 mod lane;
 mod nodes;
-mod series;
 mod summary;
 
 pub use collector::Collector;
@@ -129,7 +127,7 @@ fn load(diagnosed: &Diagnosed<'_>) -> Markup {
 
 fn signals(collected: &Collector) -> Markup {
     let columns = collected.sampler.columns();
-    let (shown, all) = (columns.len().min(series::Series::MOST), columns.len() as u64 + columns.left_out);
+    let (shown, all) = (columns.len().min(crate::signals::Series::MOST), columns.len() as u64 + columns.left_out);
     html! {
         section aria-labelledby="signals" {
             div.head { h2 #signals { "Signals" } (controls("timeline and plots")) }

@@ -17,6 +17,8 @@ use std::ops::RangeInclusive;
 const MOST_INTERRUPTED: u32 = 8;
 /// Number of silent indexes after which a survey gives up a device that does not answer for absent objects.
 const MOST_SILENT: u32 = 16;
+/// The distance of two samples of a reserved area.
+const SAMPLE: usize = 0x40;
 /// Maximum length of a gap of reserved sub-indexes in an object.
 const MOST_ABSENT: u32 = 16;
 /// The highest sub-index that is read: FFh holds the object's structure.
@@ -198,6 +200,26 @@ impl<'a, 'b> Surveyor<'a, 'b> {
             let may_have_subs = answer.exists() == Some(true) || *answer == Answer::Aborted(AbortCode::NO_SUB_INDEX);
             if may_have_subs && !self.whole.contains(&Index(index)) {
                 self.subs(Index(index), 1)?;
+            }
+        }
+        Ok(None)
+    }
+
+    /// Reads one index in [`SAMPLE`] of an area that the standard reserves, and the whole area if a sample exists.
+    /// Returns the index at which it gave up, as [`Surveyor::area`] does.
+    ///
+    /// # Errors
+    /// [`SurveyError`] if the bus fails or the device has gone.
+    pub fn reserved(&mut self, indexes: RangeInclusive<u16>) -> Result<Option<Index>, SurveyError> {
+        let mut silent = 0;
+        for index in indexes.clone().step_by(SAMPLE) {
+            let answer = self.read(Multiplexer::new(index, 0))?;
+            silent = if *answer == Answer::Silent { silent + 1 } else { 0 };
+            if silent >= MOST_SILENT {
+                return Ok(Some(Index(index)));
+            }
+            if answer.exists() == Some(true) || *answer == Answer::Aborted(AbortCode::NO_SUB_INDEX) {
+                return self.area(indexes);
             }
         }
         Ok(None)

@@ -165,3 +165,25 @@ fn an_upload_without_end_is_left() {
     let (survey, ..) = survey(endless, |surveyor| surveyor.read(at).cloned());
     assert_eq!(survey.get(at), Some(&Answer::Long(64 << 10)));
 }
+
+/// A reserved area is asked by samples, and read as a whole if one of them exists.
+#[test]
+fn reserved_areas_are_sampled() {
+    let absent = |multiplexer| Response::Abort(Abort { multiplexer, code: AbortCode::NO_OBJECT });
+    let answer = |request: &Request| match *request {
+        Request::InitiateUpload { multiplexer } => Some(absent(multiplexer)),
+        _ => None,
+    };
+    let (_, done, asked) = survey(answer, |surveyor| surveyor.reserved(0xC000..=0xFFFF));
+    assert_eq!((done.unwrap(), asked.len()), (None, 256));
+    let with_one = |request: &Request| match *request {
+        Request::InitiateUpload { multiplexer } if multiplexer == Multiplexer::new(0xC080, 0) => {
+            Some(Response::InitiateUpload { multiplexer, payload: Payload::of(&[7]) })
+        }
+        Request::InitiateUpload { multiplexer } => Some(absent(multiplexer)),
+        _ => None,
+    };
+    let (survey, done, asked) = survey(with_one, |surveyor| surveyor.reserved(0xC000..=0xC0FF));
+    assert_eq!(done.unwrap(), None);
+    assert!(asked.len() > 256 && survey.counts().1 == 1, "{}", asked.len());
+}

@@ -1,7 +1,7 @@
 //! The values of PDOs over time for plots, with few points and every peak.
 
 use super::buckets::{Buckets, Extremes};
-use crate::signals::{Columns, SampleRow, Sheet};
+use super::{Columns, SampleRow, Sheet};
 use canvass_traces::{Duration, Timestamp};
 use std::io;
 
