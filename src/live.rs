@@ -70,7 +70,7 @@ pub fn open_device_bus_at(
 }
 
 /// Opens a simulated bus whose device has booted.
-pub fn open_bus_of(address: &str, seed: u64, node: NodeId) -> Result<Box<dyn Bus>, Failure> {
+pub fn open_bus_of(address: &str, seed: u64, node: NodeId) -> Result<Box<dyn Bus + Send>, Failure> {
     let mut bus = open_bus_at(address, seed, Some(node))?.bus;
     let boots = bus.now() + BOOT;
     while let Some(record) = bus.receive(boots).map_err(Failure::unreachable)? {
@@ -108,7 +108,7 @@ pub fn time_base(bus: &dyn Bus) -> TimeBase {
 /// An open bus, with the devices known on it.
 pub struct Live {
     /// The bus.
-    pub bus: Box<dyn Bus>,
+    pub bus: Box<dyn Bus + Send>,
     /// The model of the first simulated device.
     pub model: Option<&'static Model>,
     /// The node-ID of the first simulated device.

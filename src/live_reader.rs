@@ -11,7 +11,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 
 /// Reads a bus until its end or Ctrl-C; `output` is flushed before each wait.
 pub struct LiveReader {
-    bus: Box<dyn Bus>,
+    bus: Box<dyn Bus + Send>,
     channels: Channels,
     end: Timestamp,
     output: Output,
@@ -61,7 +61,7 @@ const CLOCK: u32 = 64;
 impl LiveReader {
     pub fn new(
         address: &str,
-        bus: Box<dyn Bus>,
+        bus: Box<dyn Bus + Send>,
         span: Option<Duration>,
         output: &Output,
         interrupt: &Interrupt,

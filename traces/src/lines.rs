@@ -261,7 +261,7 @@ struct PassedLines {
 }
 
 /// The parser of one text format's lines.
-pub(crate) trait LineFormat {
+pub(crate) trait LineFormat: Send {
     /// Examines the buffered bytes, perhaps only a part of the file, before the first line is read.
     fn begin(&mut self, _head: &[u8]) {}
 

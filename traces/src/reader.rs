@@ -5,7 +5,7 @@ use crate::{Channels, Columns, Damage, Format, Record, SkipSet};
 /// Reads a capture, one record or damage after the other, in the order of the source.
 ///
 /// After the end, or after a [fatal](crate::DamageKind::is_fatal) damage, `next` always returns `None`.
-pub trait Reader: Iterator<Item = Result<Record, Damage>> {
+pub trait Reader: Send + Iterator<Item = Result<Record, Damage>> {
     /// The channels seen so far; every record's channel is among them.
     fn channels(&self) -> &Channels;
 

@@ -95,6 +95,19 @@ impl SimulatedBus {
         self.survey();
     }
 
+    /// Takes up a participant that was changed from outside, by its index: its next frame and timeout may be others.
+    pub fn take_up(&mut self, participant: usize) {
+        if let Some(participant) = self.participants.get_mut(participant) {
+            participant.settle(self.now);
+        }
+        self.survey();
+    }
+
+    /// The time of the next event, if there is one.
+    pub fn next_time(&self) -> Option<Timestamp> {
+        self.next_event().map(|next| next.time().max(self.now))
+    }
+
     /// The duration of `n` bits.
     fn bits(n: u32, bit_rate: u32) -> Duration {
         Duration(u64::from(n) * 1_000_000_000 / u64::from(bit_rate.max(1)))

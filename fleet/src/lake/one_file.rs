@@ -6,11 +6,12 @@ use crate::capture::{CaptureFile, Reading, Seen, Unreadable};
 use crate::scan::diagnosed::{self, Diagnosing};
 use crate::scan::emit::{Emitter, Wanted};
 use crate::scan::results;
-use crate::scan::rows::{self, Happenings, Understood};
+use crate::scan::rows::{self, Understood};
 use crate::scan::{ScanError, Source, capture_row, unreadable_row};
 use crate::table::Table;
 use crate::table::captures::Captures;
 use crate::table::column::{Rows, nanos};
+use canvass_tables::happenings::Happenings;
 use canvass_traces::{Quality, Timestamp};
 use datafusion::arrow::datatypes::SchemaRef;
 use tokio::runtime::Handle;
@@ -185,13 +186,14 @@ impl Ingester<'_> {
                     // An error of writing is reported when the file is finished.
                     let _ = rows::message(frame, &mut to_messages)?;
                     let _ = rows::signals(frame, &mut to_signals)?;
-                    let _ = happenings.frame(frame, &mut to_events)?;
+                    let _ = happenings.frame(frame, |row| to_events.row(row))?;
                 }
             }
             diagnosing.take(what, reading)?;
             seen = reading.advance()?;
         }
-        happenings.finish(&file.name, reading, &network, None, &mut to_events)?;
+        let channels = reading.merge().channels();
+        happenings.finish(&file.name, channels, &network, None, |row| to_events.row(row))?;
         to_messages.finish()?;
         to_signals.finish()?;
         to_events.finish()?;

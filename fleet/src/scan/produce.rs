@@ -1,7 +1,7 @@
 //! Rows of one file, which is read once and only until no more rows are wanted.
 
 use super::emit::{Emitter, Outlet, Wanted};
-use super::rows::{self, EventsOfFrames, Happenings, OfFrames, Understood};
+use super::rows::{self, EventsOfFrames, OfFrames, Understood};
 use super::{ScanError, diagnosed, results};
 use crate::capture::{Access, CaptureFile, Reading, Seen, Unreadable};
 use crate::devices::Devices;
@@ -11,6 +11,7 @@ use crate::table::frames::{FrameRow, Frames};
 use crate::table::messages::Messages;
 use crate::table::signals::Signals;
 use canvass_analyzer::network::{Network, Skipping, Steady};
+use canvass_tables::happenings::Happenings;
 use canvass_traces::{Quality, SkipSet, Timestamp};
 use std::ops::ControlFlow;
 
@@ -190,7 +191,8 @@ fn events(
     let decoded = decode(source, &mut reading, file, wanted.skips, &mut events)?;
     let EventsOfFrames { happenings, mut emitter } = events;
     if let ControlFlow::Continue((network, skipped)) = decoded {
-        happenings.finish(&file.name, &reading, &network, skipped, &mut emitter)?;
+        let channels = reading.merge().channels();
+        happenings.finish(&file.name, channels, &network, skipped, |row| emitter.row(row))?;
     }
     emitter.finish()
 }

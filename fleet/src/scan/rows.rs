@@ -2,31 +2,15 @@
 
 use super::ScanError;
 use super::emit::Emitter;
-use crate::capture::Reading;
 use crate::devices::Devices;
-use crate::table::events::{EventRow, Events, What};
+use crate::table::events::Events;
 use crate::table::messages::{MessageRow, Messages};
 use crate::table::signals::{SignalRow, Signals};
 use canvass_analyzer::Meaning;
-use canvass_analyzer::network::{Bus, Decoded, Network, Steady};
-use canvass_reports::events::Scene;
-use canvass_traces::{ChannelId, Channels, Record, Timestamp};
+use canvass_analyzer::network::{Network, Steady};
+use canvass_tables::happenings::Happenings;
+pub use canvass_tables::happenings::Understood;
 use std::ops::ControlFlow;
-
-/// A decoded frame with its bus.
-#[derive(Clone, Copy)]
-pub struct Understood<'a> {
-    /// The capture's name.
-    pub capture: &'a str,
-    /// The frame.
-    pub record: &'a Record,
-    /// The channels of the capture, with their names.
-    pub channels: &'a Channels,
-    /// The decoded meaning of the frame.
-    pub decoded: &'a Decoded,
-    /// The state of the bus after this frame.
-    pub bus: &'a Bus,
-}
 
 /// A network with the devices of these rules.
 ///
@@ -109,7 +93,11 @@ pub struct EventsOfFrames<'a> {
 
 impl OfFrames for EventsOfFrames<'_> {
     fn frame(&mut self, frame: Understood<'_>) -> Result<ControlFlow<()>, ScanError> {
-        self.happenings.frame(frame, &mut self.emitter)
+        if frame.bus.events().is_empty() {
+            self.happenings.frame(frame, |row| self.emitter.row(row))?;
+            return Ok(self.emitter.look());
+        }
+        self.happenings.frame(frame, |row| self.emitter.row(row))
     }
 
     fn may_refuse(&self) -> bool {
@@ -144,75 +132,4 @@ pub fn signals(frame: Understood<'_>, emitter: &mut Emitter<'_, Signals>) -> Res
         }
     }
     Ok(emitter.look())
-}
-
-/// Outputs the events of frames to `events`.
-#[derive(Default)]
-pub struct Happenings {
-    /// The time of the last frame.
-    last: Option<Timestamp>,
-    /// The latest comment of the capture, which is output before the next event.
-    comment: String,
-}
-
-impl Happenings {
-    /// Outputs the events of a frame.
-    pub fn frame(
-        &mut self,
-        frame: Understood<'_>,
-        emitter: &mut Emitter<'_, Events>,
-    ) -> Result<ControlFlow<()>, ScanError> {
-        let Understood { capture, record, channels, decoded, bus } = frame;
-        if let Some(latest) = record.comment() {
-            self.comment.clear();
-            self.comment.push_str(latest);
-        }
-        self.last = Some(record.timestamp);
-        if bus.events().is_empty() {
-            return Ok(emitter.look());
-        }
-        let channel = channels.name(record.channel);
-        let scene = &Scene { time: record.timestamp, channel, bus, frame: Some((record, decoded)) };
-        for event in bus.events() {
-            if !self.comment.is_empty() {
-                let row = EventRow { capture, scene, what: What::Comment(&self.comment) };
-                if emitter.row(&row)?.is_break() {
-                    return Ok(ControlFlow::Break(()));
-                }
-                self.comment.clear();
-            }
-            let what = What::Event(event, scene.transfer(event));
-            // The end of a transfer on an unknown channel has no details.
-            if matches!(what, What::Event(event, None) if scene.kind(event) == "sdo") {
-                continue;
-            }
-            if emitter.row(&EventRow { capture, scene, what })?.is_break() {
-                return Ok(ControlFlow::Break(()));
-            }
-        }
-        Ok(ControlFlow::Continue(()))
-    }
-
-    /// Outputs the transfers that had not ended at the end of the capture; `skipped` is the time of the last frame if
-    /// that frame was skipped.
-    pub fn finish(
-        &self,
-        capture: &str,
-        reading: &Reading,
-        network: &Network,
-        skipped: Option<Timestamp>,
-        emitter: &mut Emitter<'_, Events>,
-    ) -> Result<(), ScanError> {
-        let Some(time) = skipped.or(self.last) else { return Ok(()) };
-        for (id, channel) in (0_u16..).zip(reading.merge().channels().names()) {
-            let Some(bus) = network.bus(ChannelId(id)) else { continue };
-            let scene = &Scene { time, channel, bus, frame: None };
-            for (server, transfer) in bus.open_transfers() {
-                if emitter.row(&EventRow { capture, scene, what: What::Open(server, transfer) })?.is_break() {
-                    return Ok(());
-                }
-            }
-        }
-        Ok(())
-    }
 }

@@ -1,7 +1,8 @@
 //! `captures`: the recordings, their quality, and files that could not be read.
 
-use super::column::{Column, Rows, columns, write, write_str};
+use super::column::{Column, Rows, write, write_str};
 use canvass_reports::quality::{time_base, warnings};
+use canvass_tables::columns;
 use canvass_traces::{Format, Quality, TimeBase};
 
 /// The rows of `captures`.

@@ -1,10 +1,11 @@
 //! `findings`: problems that the diagnosis found.
 
-use super::column::{Column, Rows, columns, write, write_str};
+use super::column::{Column, Rows, write, write_str};
 use canvass_analyzer::NodeId;
 use canvass_analyzer::findings::Finding;
 use canvass_analyzer::statistics::CaseName;
 use canvass_reports::diagnosis::{Diagnosed, evidence};
+use canvass_tables::columns;
 
 /// The rows of `findings`.
 pub struct Findings;

@@ -2,19 +2,14 @@
 //!
 //! This is the only definition of the schema: Arrow, the lake, `\d` and the documentation all use it.
 
-pub mod builder;
 pub mod captures;
-pub mod column;
-pub mod events;
 pub mod findings;
-pub mod frames;
-pub mod messages;
 pub mod nodes;
 pub mod runs;
-pub mod signals;
 pub mod statistics;
 pub mod verdicts;
 
+pub use canvass_tables::{builder, column, events, frames, messages, signals};
 use column::{Column, Rows};
 use datafusion::arrow::datatypes::{DataType, Field, Schema, SchemaRef};
 use serde::{Deserialize, Serialize};

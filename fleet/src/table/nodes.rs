@@ -1,8 +1,9 @@
 //! `nodes`: the nodes on the bus, and their statistics.
 
-use super::column::{Column, Rows, columns, write_str};
+use super::column::{Column, Rows, write_str};
 use canvass_analyzer::statistics::{BusStatistics, NodeStatistics};
 use canvass_analyzer::{NodeId, Service};
+use canvass_tables::columns;
 
 /// The rows of `nodes`.
 pub struct Nodes;

@@ -1,6 +1,7 @@
 //! `runs`: results of `canvass test` and `canvass fuzz`, with the values of their JSON.
 
-use super::column::{Column, Rows, columns, write_str};
+use super::column::{Column, Rows, write_str};
+use canvass_tables::columns;
 use canvass_traces::Timestamp;
 use serde_json::Value;
 

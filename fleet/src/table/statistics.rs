@@ -1,8 +1,9 @@
 //! `statistics`: frames, rates and load of each channel, in total and by service.
 
-use super::column::{Column, Rows, columns, write_str};
+use super::column::{Column, Rows, write_str};
 use canvass_analyzer::Service;
 use canvass_analyzer::statistics::{BusStatistics, Peak};
+use canvass_tables::columns;
 use canvass_traces::Timestamp;
 
 /// The rows of `statistics`.

@@ -1,7 +1,8 @@
 //! `verdicts`: the verdict of each case of a conformance run, and each violation of a fuzzing run.
 
-use super::column::{Column, Rows, columns, write, write_str};
+use super::column::{Column, Rows, write, write_str};
 use super::runs::{RunRow, kind};
+use canvass_tables::columns;
 use serde_json::Value;
 
 /// The rows of `verdicts`.

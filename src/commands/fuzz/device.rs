@@ -25,7 +25,7 @@ pub struct Device {
 
 enum Place {
     Simulated(Box<Simulated>),
-    Live(Box<dyn Bus>),
+    Live(Box<dyn Bus + Send>),
 }
 
 impl Device {

@@ -54,7 +54,7 @@ pub enum BusAddress {
 
 /// An open bus, with the devices known on it.
 pub struct Opened {
-    pub bus: Box<dyn Bus>,
+    pub bus: Box<dyn Bus + Send>,
     /// The model of the first simulated device.
     pub model: Option<&'static Model>,
     /// All simulated devices, in the order of the address.
@@ -133,13 +133,27 @@ pub fn open_seeded_at(address: &str, seed: u64, node: Option<NodeId>) -> Result<
 /// # Errors
 /// [`BusError::Address`] if a device description or a motion can't be read.
 pub fn simulate(named: &[SimulatedDevice], seed: u64) -> Result<(SimulatedBus, Vec<Attached>), BusError> {
+    let (bit_rate, devices) = devices(named, seed)?;
+    let mut bus = SimulatedBus::new(bit_rate);
+    let attach = |(device, attached): (Device, Attached)| {
+        bus.attach(Box::new(device));
+        attached
+    };
+    let attached = devices.into_iter().map(attach).collect();
+    Ok((bus, attached))
+}
+
+/// Makes the devices of a simulated bus, for callers that connect them themselves; and the bit rate of the bus.
+///
+/// # Errors
+/// [`BusError::Address`] if a device description or a motion can't be read.
+pub fn devices(named: &[SimulatedDevice], seed: u64) -> Result<(u32, Vec<(Device, Attached)>), BusError> {
     let models = named.iter().map(SimulatedDevice::model).collect::<Result<Vec<_>, _>>()?;
     let known: Vec<_> = named.iter().zip(models).collect();
     let own_rate = |(device, model): &(&SimulatedDevice, &'static Model)| {
         device.bit_rate.unwrap_or_else(|| model.default_bit_rate())
     };
     let bit_rate = known.first().map_or(0, own_rate);
-    let mut bus = SimulatedBus::new(bit_rate);
     let mut devices = Vec::with_capacity(known.len());
     for (n, ((device, model), node)) in (0..).zip(known.iter().zip(simulated::assign(&known))) {
         // Each device has its own random sequence.
@@ -150,10 +164,9 @@ pub fn simulate(named: &[SimulatedDevice], seed: u64) -> Result<(SimulatedBus, V
         if let Some(other) = device.bit_rate.filter(|&rate| rate != bit_rate) {
             simulated.set_bit_rate(other);
         }
-        bus.attach(Box::new(simulated));
-        devices.push(Attached { model, node, firmware: device.firmware });
+        devices.push((simulated, Attached { model, node, firmware: device.firmware }));
     }
-    Ok((bus, devices))
+    Ok((bit_rate, devices))
 }
 
 impl FromStr for BusAddress {

@@ -1,14 +1,14 @@
 //! Builds Arrow batches from rows, with only the requested columns.
 
 use super::column::{Column, Get, Rows, Width, nanos};
-use datafusion::arrow::array::{
-    ArrayRef, BinaryBuilder, BooleanBuilder, DictionaryArray, Float64Builder, Int32Builder, Int64Builder,
-    NullBufferBuilder, RecordBatch, RecordBatchOptions, StringArray, StringBuilder, TimestampNanosecondBuilder,
-    UInt8Builder, UInt16Builder, UInt32Builder, UInt64Builder,
+use arrow_array::builder::{
+    BinaryBuilder, BooleanBuilder, Float64Builder, Int32Builder, Int64Builder, StringBuilder,
+    TimestampNanosecondBuilder, UInt8Builder, UInt16Builder, UInt32Builder, UInt64Builder,
 };
-use datafusion::arrow::buffer::{Buffer, OffsetBuffer};
-use datafusion::arrow::datatypes::{Int32Type, SchemaRef};
-use datafusion::arrow::error::ArrowError;
+use arrow_array::types::Int32Type;
+use arrow_array::{ArrayRef, DictionaryArray, RecordBatch, RecordBatchOptions, StringArray};
+use arrow_buffer::{Buffer, NullBufferBuilder, OffsetBuffer};
+use arrow_schema::{ArrowError, SchemaRef};
 use std::collections::HashMap;
 use std::sync::Arc;
 

@@ -1,7 +1,7 @@
 //! Columns of tables: name, type and meaning of each, and the function that gets its value from a row.
 
+use arrow_schema::{DataType, Field, TimeUnit};
 use canvass_traces::Timestamp;
-use datafusion::arrow::datatypes::{DataType, Field, TimeUnit};
 
 /// The rows of one table.
 pub trait Rows: Sized + 'static {
@@ -118,36 +118,36 @@ pub fn nanos(time: Timestamp) -> i64 {
 }
 
 /// Declares columns: `name: kind "meaning" = |row| value;`, one after the other.
+#[macro_export]
 macro_rules! columns {
     ($rows:ty: $($name:literal $kind:ident $doc:literal = $get:expr;)*) => {
-        &[$($crate::table::column::Column::<$rows> {
+        &[$($crate::column::Column::<$rows> {
             name: $name,
             doc: $doc,
-            get: $crate::table::column::columns!(@get $rows, $kind, $get),
+            get: $crate::columns!(@get $rows, $kind, $get),
         }),*]
     };
-    (@get $rows:ty, time, $get:expr) => { $crate::table::column::Get::Time($get) };
+    (@get $rows:ty, time, $get:expr) => { $crate::column::Get::Time($get) };
     (@get $rows:ty, u8, $get:expr) => {
-        $crate::table::column::Get::Unsigned($crate::table::column::Width::U8, $get)
+        $crate::column::Get::Unsigned($crate::column::Width::U8, $get)
     };
     (@get $rows:ty, u16, $get:expr) => {
-        $crate::table::column::Get::Unsigned($crate::table::column::Width::U16, $get)
+        $crate::column::Get::Unsigned($crate::column::Width::U16, $get)
     };
     (@get $rows:ty, u32, $get:expr) => {
-        $crate::table::column::Get::Unsigned($crate::table::column::Width::U32, $get)
+        $crate::column::Get::Unsigned($crate::column::Width::U32, $get)
     };
     (@get $rows:ty, u64, $get:expr) => {
-        $crate::table::column::Get::Unsigned($crate::table::column::Width::U64, $get)
+        $crate::column::Get::Unsigned($crate::column::Width::U64, $get)
     };
-    (@get $rows:ty, i64, $get:expr) => { $crate::table::column::Get::Signed($get) };
-    (@get $rows:ty, f64, $get:expr) => { $crate::table::column::Get::Real($get) };
-    (@get $rows:ty, flag, $get:expr) => { $crate::table::column::Get::Flag($get) };
-    (@get $rows:ty, word, $get:expr) => { $crate::table::column::Get::Word($get) };
-    (@get $rows:ty, name, $get:expr) => { $crate::table::column::Get::Name($get) };
-    (@get $rows:ty, text, $get:expr) => { $crate::table::column::Get::Text($get) };
-    (@get $rows:ty, bytes, $get:expr) => { $crate::table::column::Get::Bytes($get) };
+    (@get $rows:ty, i64, $get:expr) => { $crate::column::Get::Signed($get) };
+    (@get $rows:ty, f64, $get:expr) => { $crate::column::Get::Real($get) };
+    (@get $rows:ty, flag, $get:expr) => { $crate::column::Get::Flag($get) };
+    (@get $rows:ty, word, $get:expr) => { $crate::column::Get::Word($get) };
+    (@get $rows:ty, name, $get:expr) => { $crate::column::Get::Name($get) };
+    (@get $rows:ty, text, $get:expr) => { $crate::column::Get::Text($get) };
+    (@get $rows:ty, bytes, $get:expr) => { $crate::column::Get::Bytes($get) };
 }
-pub(crate) use columns;
 
 /// Writes a value; `false` if there is none.
 pub fn write(out: &mut String, text: Option<impl std::fmt::Display>) -> bool {

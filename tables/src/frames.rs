@@ -5,19 +5,19 @@ use canvass_traces::{Channels, Direction, Frame, Record};
 
 /// The columns of a frame, followed by further columns of the table.
 macro_rules! frame_columns {
-    ($($more:tt)*) => { $crate::table::column::columns![Self:
-        "capture" name "the file" = |row, out| $crate::table::column::write_str(out, Some(row.capture));
+    ($($more:tt)*) => { $crate::columns![Self:
+        "capture" name "the file" = |row, out| $crate::column::write_str(out, Some(row.capture));
         "number" u64 "its line, packet or message in the file, from 1" = |row| Some(row.record.place.number);
         "t" time "when it was seen" = |row| Some(row.record.timestamp);
-        "channel" name "the channel's name" = |row, out| $crate::table::column::write_str(out, Some(row.channels.name(row.record.channel)));
-        "can_id" u32 "the CAN-ID, 11 or 29 bits; of an error frame its class bits" = |row| Some($crate::table::frames::can_id(row.record));
-        "extended" flag "whether the CAN-ID has 29 bits" = |row| Some($crate::table::frames::is_extended(&row.record.frame));
+        "channel" name "the channel's name" = |row, out| $crate::column::write_str(out, Some(row.channels.name(row.record.channel)));
+        "can_id" u32 "the CAN-ID, 11 or 29 bits; of an error frame its class bits" = |row| Some($crate::frames::can_id(row.record));
+        "extended" flag "whether the CAN-ID has 29 bits" = |row| Some($crate::frames::is_extended(&row.record.frame));
         "remote" flag "whether it is a remote frame" = |row| Some(row.record.frame.is_remote());
         "error" flag "whether it is an error frame" = |row| Some(row.record.frame.is_error());
         "fd" flag "whether it is a CAN FD frame" = |row| Some(row.record.frame.is_fd());
         "xl" flag "whether it is a CAN XL frame" = |row| Some(row.record.frame.is_xl());
-        "length" u16 "bytes of payload; of a remote frame the length that it asks for" = |row| Some($crate::table::frames::length(row.record));
-        "direction" word "`rx` or `tx`, where the capture says it" = |row| $crate::table::frames::direction(row.record);
+        "length" u16 "bytes of payload; of a remote frame the length that it asks for" = |row| Some($crate::frames::length(row.record));
+        "direction" word "`rx` or `tx`, where the capture says it" = |row| $crate::frames::direction(row.record);
         "data" bytes "the payload" = |row| Some(row.record.data());
         $($more)*
     ] };

@@ -1,7 +1,8 @@
 //! `events`: events caused by frames: whole SDO transfers, states, errors, layer setting, and learned COB-IDs and
 //! mappings.
 
-use super::column::{Column, Rows, columns, write, write_str};
+use super::column::{Column, Rows, write, write_str};
+use crate::columns;
 use canvass_analyzer::network::sdo::{Outcome, Side, Transfer};
 use canvass_analyzer::network::{Emergency, Event, Exchange, Move, StateChange};
 use canvass_analyzer::{EmcyText, Multiplexer, NodeId, TransferText};

@@ -1,7 +1,8 @@
 //! `signals`: the values of process data, one row each.
 
-use super::column::{Column, Rows, columns, write, write_str};
+use super::column::{Column, Rows, write, write_str};
 use super::messages::{node, pdo};
+use crate::columns;
 use canvass_analyzer::network::Decoded;
 use canvass_analyzer::{Number, SignalValue};
 use canvass_traces::{Channels, Record};

@@ -1,0 +1,343 @@
+//! A simulated bus, in virtual time or at the pace of this computer's clock.
+
+use crate::frame::Frame;
+use canvass_analyzer::NodeId;
+use canvass_analyzer::wire::emcy::EmcyCode;
+use canvass_bus::{Bus as _, Machine, SimulatedBus};
+use canvass_device::address::{self, Attached, BusAddress};
+use canvass_device::models::Model;
+use canvass_device::{Device, MotionSpec};
+use canvass_traces::small_file::{self, OF_HAND};
+use canvass_traces::{CanId, Channels, Direction, Duration, Frame as CanFrame, Record, Timestamp};
+use pyo3::exceptions::{PyKeyError, PyValueError};
+use pyo3::prelude::*;
+use pyo3::types::PyBytes;
+use std::collections::VecDeque;
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::time::Instant;
+
+/// The built-in models: pairs of id and summary.
+#[pyfunction]
+pub fn models() -> Vec<(String, String)> {
+    Model::all().iter().map(|model| (model.id().to_owned(), model.summary().to_owned())).collect()
+}
+
+/// A bus with simulated devices.
+///
+/// In real time the bus runs as long as it exists, and `receive` waits as on a real bus. In virtual time nothing waits:
+/// time advances only in `receive`, from one frame to the next, at most by its timeout.
+#[pyclass(frozen, module = "canvass")]
+pub struct Simulation {
+    state: Mutex<State>,
+    sent: Condvar,
+}
+
+struct State {
+    bus: SimulatedBus,
+    devices: Vec<Handle>,
+    channels: Channels,
+    /// The start on this computer's clock; `None` in virtual time.
+    started: Option<Instant>,
+    /// Frames that were on the bus and that nobody has received yet.
+    ready: VecDeque<Record>,
+    /// Number of calls of `receive` in virtual time since the last frame was sent.
+    unasked: u32,
+}
+
+/// A device that the bus and the program share.
+#[derive(Clone)]
+struct Shared(Arc<Mutex<Device>>);
+
+struct Handle {
+    device: Shared,
+    attached: Attached,
+}
+
+/// Number of frames that wait for the program. The oldest are dropped, as in the queue of an adapter.
+const WAITING: usize = 1 << 16;
+/// In virtual time, number of calls of `receive` after which a program that sends nothing has to wait a moment: a
+/// thread that receives all the time would take all processor time, and a day would pass in a second.
+const UNASKED: u32 = 256;
+const MOMENT: std::time::Duration = std::time::Duration::from_millis(1);
+
+impl Shared {
+    fn lock(&self) -> MutexGuard<'_, Device> {
+        self.0.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+}
+
+impl Machine for Shared {
+    fn handle(&mut self, now: Timestamp, frame: &CanFrame) {
+        self.lock().handle(now, frame);
+    }
+
+    fn ignores(&self, frame: &CanFrame) -> bool {
+        self.lock().ignores(frame)
+    }
+
+    fn poll_transmit(&mut self, now: Timestamp) -> Option<CanFrame> {
+        self.lock().poll_transmit(now)
+    }
+
+    fn poll_timeout(&self) -> Option<Timestamp> {
+        self.lock().poll_timeout()
+    }
+
+    fn handle_timeout(&mut self, now: Timestamp) {
+        self.lock().handle_timeout(now);
+    }
+
+    fn bit_rate(&self) -> Option<u32> {
+        Machine::bit_rate(&*self.lock())
+    }
+
+    fn power_cycle(&mut self, now: Timestamp) {
+        Machine::power_cycle(&mut *self.lock(), now);
+    }
+
+    fn withdraws(&self, pending: &CanFrame) -> bool {
+        self.lock().withdraws(pending)
+    }
+}
+
+impl State {
+    /// The present time of a bus in real time.
+    fn present(&self) -> Option<Timestamp> {
+        self.started.map(|started| Timestamp(u64::try_from(started.elapsed().as_nanos()).unwrap_or(u64::MAX)))
+    }
+
+    /// Lets the bus run until now, if it is in real time.
+    fn catch_up(&mut self) {
+        let Some(present) = self.present() else { return };
+        while let Ok(Some(record)) = self.bus.receive(present) {
+            self.keep(record);
+        }
+    }
+
+    fn keep(&mut self, record: Record) {
+        if self.ready.len() >= WAITING {
+            self.ready.pop_front();
+        }
+        self.ready.push_back(record);
+    }
+
+    /// The next frame of a bus in virtual time, at most `until`.
+    fn step(&mut self, until: Timestamp) -> Option<Record> {
+        // The simulated bus does not fail.
+        self.bus.receive(until).ok().flatten()
+    }
+
+    fn device(&self, node: Option<u8>) -> PyResult<usize> {
+        let Some(node) = node else { return Ok(0) };
+        let has = |handle: &Handle| handle.device.lock().node().or(handle.attached.node).map(NodeId::raw) == Some(node);
+        self.devices
+            .iter()
+            .position(has)
+            .ok_or_else(|| PyKeyError::new_err(format!("no simulated device has the node-ID {node}")))
+    }
+}
+
+impl Simulation {
+    fn state(&self) -> MutexGuard<'_, State> {
+        self.state.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Waits for the next frame, at most for `timeout`, or without end.
+    fn wait(&self, timeout: Option<std::time::Duration>, own: bool) -> Option<Record> {
+        let begun = Instant::now();
+        let mut state = self.state();
+        let virtual_end =
+            timeout.map(|timeout| state.bus.now() + Duration(u64::try_from(timeout.as_nanos()).unwrap_or(u64::MAX)));
+        loop {
+            state.catch_up();
+            while let Some(record) = state.ready.pop_front() {
+                if own || record.direction != Direction::Tx {
+                    return Some(record);
+                }
+            }
+            let next = state.bus.next_time();
+            let pause = if let Some(present) = state.present() {
+                let until_event = next.map(|next| std::time::Duration::from(next.since(present)));
+                let left = timeout.map(|timeout| timeout.saturating_sub(begun.elapsed()));
+                if left.is_some_and(|left| left.is_zero()) {
+                    return None;
+                }
+                until_event.into_iter().chain(left).min()
+            } else {
+                state.unasked += 1;
+                if state.unasked > UNASKED {
+                    // A frame that is sent meanwhile ends the pause.
+                    state = self.sent.wait_timeout(state, MOMENT).unwrap_or_else(PoisonError::into_inner).0;
+                }
+                match (virtual_end, next) {
+                    (Some(end), _) => match state.step(end) {
+                        Some(record) => {
+                            state.ready.push_back(record);
+                            continue;
+                        }
+                        None => return None,
+                    },
+                    (None, Some(next)) => {
+                        let record = state.step(next);
+                        state.ready.extend(record);
+                        continue;
+                    }
+                    (None, None) => None,
+                }
+            };
+            // Without an event the bus is silent until the program sends; the pause ends now and then, so that Python
+            // notices signals.
+            let pause = pause.unwrap_or(MOMENT * 50).min(MOMENT * 50);
+            state = self.sent.wait_timeout(state, pause).unwrap_or_else(PoisonError::into_inner).0;
+        }
+    }
+}
+
+/// A frame without an object: see `receive_raw`.
+type Raw<'py> = (f64, u32, bool, bool, usize, Bound<'py, PyBytes>, bool);
+
+/// A timeout in seconds; a very long one has no end.
+fn span(timeout: Option<f64>) -> Option<std::time::Duration> {
+    const LONGEST: f64 = 1e9;
+    let timeout = timeout.filter(|timeout| *timeout < LONGEST);
+    timeout.map(|timeout| std::time::Duration::from_secs_f64(timeout.max(0.0)))
+}
+
+#[pymethods]
+impl Simulation {
+    /// `address`: `sim:MODEL[:NODE][@BITRATE][~MOTION][+FAULT...]`, as on canvass's command line. `seed` determines the
+    /// random choices of the devices.
+    #[new]
+    #[pyo3(signature = (address, seed=0, real_time=true))]
+    fn new(address: &str, seed: u64, real_time: bool) -> PyResult<Self> {
+        let wrong = |error: &dyn std::fmt::Display| PyValueError::new_err(error.to_string());
+        let named = match address.parse::<BusAddress>().map_err(|error| wrong(&error))? {
+            BusAddress::Simulated(named) => named,
+            _ => return Err(PyValueError::new_err(format!("expected sim:MODEL, found \"{address}\""))),
+        };
+        let (bit_rate, made) = address::devices(&named, seed).map_err(|error| wrong(&error))?;
+        let mut bus = SimulatedBus::new(bit_rate);
+        let mut devices = Vec::new();
+        for (device, attached) in made {
+            let device = Shared(Arc::new(Mutex::new(device)));
+            bus.attach(Box::new(device.clone()));
+            devices.push(Handle { device, attached });
+        }
+        let mut channels = Channels::new();
+        channels.intern(address);
+        let started = real_time.then(Instant::now);
+        let state = State { bus, devices, channels, started, ready: VecDeque::new(), unasked: 0 };
+        Ok(Self { state: Mutex::new(state), sent: Condvar::new() })
+    }
+
+    /// Queues a frame for sending.
+    #[pyo3(signature = (can_id, data, extended=false, remote=false, length=0))]
+    fn send(&self, can_id: u32, data: &[u8], extended: bool, remote: bool, length: u8) -> PyResult<()> {
+        let id = if extended { CanId::extended(can_id) } else { CanId::standard(can_id) };
+        let id = id.ok_or_else(|| PyValueError::new_err(format!("{can_id:X}h is no CAN-ID")))?;
+        let frame = if remote { CanFrame::remote(id, length) } else { CanFrame::new(id, data) };
+        let frame = frame.ok_or_else(|| PyValueError::new_err("expected up to 8 bytes"))?;
+        let mut state = self.state();
+        state.catch_up();
+        state.unasked = 0;
+        state.bus.send(&frame).map_err(|error| PyValueError::new_err(error.to_string()))?;
+        drop(state);
+        self.sent.notify_all();
+        Ok(())
+    }
+
+    /// The next frame that was on the bus, or `None` after `timeout` seconds; without a timeout it waits without end.
+    /// Own frames are left out unless `own` is true.
+    #[pyo3(signature = (timeout=None, own=false))]
+    fn receive(&self, py: Python<'_>, timeout: Option<f64>, own: bool) -> Option<Frame> {
+        let record = py.detach(|| self.wait(span(timeout), own));
+        record.map(|record| Frame::of(&record, &self.state().channels))
+    }
+
+    /// As `receive`, without an object: time in seconds, CAN-ID, whether it has 29 bits, whether the frame is remote,
+    /// its length, its payload, and whether another participant has sent it.
+    #[pyo3(signature = (timeout=None, own=false))]
+    fn receive_raw<'py>(&self, py: Python<'py>, timeout: Option<f64>, own: bool) -> Option<Raw<'py>> {
+        let Record { timestamp, frame, direction, .. } = py.detach(|| self.wait(span(timeout), own))?;
+        let data = PyBytes::new(py, frame.data());
+        let (id, seconds) = (frame.id(), timestamp.nanos() as f64 / 1e9);
+        Some((seconds, id.raw(), id.is_extended(), frame.is_remote(), frame.len(), data, direction != Direction::Tx))
+    }
+
+    /// The time of the bus in seconds.
+    #[getter]
+    fn now(&self) -> f64 {
+        let mut state = self.state();
+        state.catch_up();
+        state.bus.now().nanos() as f64 / 1e9
+    }
+
+    /// The bit rate in bit/s.
+    #[getter]
+    fn bit_rate(&self) -> Option<u32> {
+        self.state().bus.bit_rate()
+    }
+
+    /// The devices: pairs of the present node-ID and the id of the model.
+    #[getter]
+    fn devices(&self) -> Vec<(Option<u8>, String)> {
+        let of =
+            |handle: &Handle| (handle.device.lock().node().map(NodeId::raw), handle.attached.model.id().to_owned());
+        self.state().devices.iter().map(of).collect()
+    }
+
+    /// Raises or clears a hardware error with this EMCY code in the device of a node (default: the first device).
+    #[pyo3(signature = (code, present, node=None))]
+    fn set_error(&self, code: u16, present: bool, node: Option<u8>) -> PyResult<()> {
+        self.change(node, |device, now| {
+            device.set_error(now, EmcyCode(code), present);
+            Ok(())
+        })
+    }
+
+    /// Sets what the device measures, as after `~` in an address: `60rpm`, `1000`, `sine(...)`.
+    #[pyo3(signature = (motion, node=None))]
+    fn set_motion(&self, motion: &str, node: Option<u8>) -> PyResult<()> {
+        let wrong = |error: String| PyValueError::new_err(format!("{motion}: {error}"));
+        let spec: MotionSpec = motion.parse().map_err(|error: canvass_device::MotionError| wrong(error.to_string()))?;
+        let motion = match spec {
+            MotionSpec::Known(motion) => motion,
+            MotionSpec::File(path) => {
+                let text = small_file::read_text(path.as_ref(), OF_HAND).map_err(|error| wrong(error.to_string()))?;
+                MotionSpec::from_csv(&text).map_err(|error| wrong(error.to_string()))?
+            }
+        };
+        self.change(node, |device, now| {
+            device.set_motion(now, motion);
+            Ok(())
+        })
+    }
+
+    /// Switches the supply of a device off and on (default: the first device).
+    #[pyo3(signature = (node=None))]
+    fn power_cycle(&self, node: Option<u8>) -> PyResult<()> {
+        let mut state = self.state();
+        state.catch_up();
+        let at = state.device(node)?;
+        state.bus.power_cycle(at);
+        drop(state);
+        self.sent.notify_all();
+        Ok(())
+    }
+}
+
+impl Simulation {
+    /// Changes a device, and lets the bus take it up.
+    fn change(&self, node: Option<u8>, change: impl FnOnce(&mut Device, Timestamp) -> PyResult<()>) -> PyResult<()> {
+        let mut state = self.state();
+        state.catch_up();
+        let (at, now) = (state.device(node)?, state.bus.now());
+        let device = state.devices.get(at).map(|handle| handle.device.clone());
+        let device = device.ok_or_else(|| PyKeyError::new_err("the bus has no simulated device"))?;
+        change(&mut device.lock(), now)?;
+        state.bus.take_up(at);
+        drop(state);
+        self.sent.notify_all();
+        Ok(())
+    }
+}

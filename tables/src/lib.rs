@@ -1,0 +1,18 @@
+//! Captures as Arrow tables: each table's columns are defined once, for SQL, data frames and the documentation.
+//!
+//! - [`column`]: columns: name, type, meaning, and the function that gets the value of a row;
+//! - [`builder`]: batches of rows;
+//! - [`frames`]: frames as they were recorded;
+//! - [`messages`]: frames with their decoded meaning;
+//! - [`events`]: whole SDO transfers, states, errors, layer setting; [`happenings`] collects them;
+//! - [`signals`]: the values of process data.
+
+#![warn(clippy::disallowed_methods)]
+
+pub mod builder;
+pub mod column;
+pub mod events;
+pub mod frames;
+pub mod happenings;
+pub mod messages;
+pub mod signals;
