@@ -10,6 +10,9 @@ import can
 from canvass import _native
 from canvass.devices import Device
 
+#: The virtual time within which an answer is delivered while a frame is sent, in seconds.
+ANSWER = 0.01
+
 
 class CanvassBus(can.BusABC):
     """A bus with simulated devices.
@@ -39,6 +42,7 @@ class CanvassBus(can.BusABC):
             self.simulation = _native.Simulation(self.address, seed, real_time)
         self.channel_info = f"canvass {self.address}"
         self._own = receive_own_messages
+        self._real_time = real_time if not isinstance(channel, Device) else channel.real_time
         # Times of frames are seconds since 1970, as on other interfaces.
         self._began = time.time() - self.simulation.now
         super().__init__(channel=self.address, **kwargs)
@@ -47,8 +51,11 @@ class CanvassBus(can.BusABC):
         frame = self.simulation.receive_raw(timeout, self._own)
         if frame is None:
             return None, False
+        return self._message(frame), False
+
+    def _message(self, frame: tuple) -> can.Message:
         now, can_id, extended, remote, length, data, is_rx = frame
-        message = can.Message(
+        return can.Message(
             timestamp=self._began + now,
             arbitration_id=can_id,
             is_extended_id=extended,
@@ -58,7 +65,6 @@ class CanvassBus(can.BusABC):
             channel=self.address,
             is_rx=is_rx,
         )
-        return message, False
 
     def send(self, msg: can.Message, timeout: Optional[float] = None) -> None:
         if msg.is_fd or msg.is_error_frame:
@@ -69,6 +75,23 @@ class CanvassBus(can.BusABC):
             )
         except ValueError as error:
             raise can.CanOperationError(str(error)) from error
+        if not self._real_time:
+            self._answer()
+
+    def _answer(self) -> None:
+        """Give the listeners of notifiers the answer at once.
+
+        In virtual time the answer is there as soon as it is asked for. Waking the notifier's thread for it would take
+        far longer than everything else.
+        """
+        listeners = [listener for notifier in can.Notifier.find_instances(self) for listener in notifier.listeners]
+        if not listeners:
+            return
+        frame = self.simulation.answer(ANSWER)
+        if frame is not None:
+            message = self._message(frame)
+            for listener in listeners:
+                listener(message)
 
     @staticmethod
     def _detect_available_configs() -> list:

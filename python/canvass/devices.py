@@ -37,6 +37,8 @@ class Device:
         seed: int = 0,
     ):
         self.model = os.fspath(model)
+        #: Whether the bus runs at the pace of this computer's clock.
+        self.real_time = real_time
         address = f"sim:{self.model}"
         if node is not None:
             address += f":{node}"

@@ -42,6 +42,8 @@ struct State {
     ready: VecDeque<Record>,
     /// Number of calls of `receive` in virtual time since the last frame was sent.
     unasked: u32,
+    /// The time at which a sender last took the answers itself ([`Simulation::answer`]).
+    answered: Option<Instant>,
 }
 
 /// A device that the bus and the program share.
@@ -55,10 +57,15 @@ struct Handle {
 
 /// Number of frames that wait for the program. The oldest are dropped, as in the queue of an adapter.
 const WAITING: usize = 1 << 16;
+/// The longest boot of a device: a faulty one may never end it.
+const LONGEST_BOOT: Timestamp = Timestamp(30_000_000_000);
 /// In virtual time, number of calls of `receive` after which a program that sends nothing has to wait a moment: a
 /// thread that receives all the time would take all processor time, and a day would pass in a second.
 const UNASKED: u32 = 256;
 const MOMENT: std::time::Duration = std::time::Duration::from_millis(1);
+/// The time for which a sender that takes the answers itself has the bus in virtual time for itself: another thread that
+/// receives would let hours pass between two requests.
+const OWN: std::time::Duration = std::time::Duration::from_millis(20);
 
 impl Shared {
     fn lock(&self) -> MutexGuard<'_, Device> {
@@ -101,6 +108,20 @@ impl Machine for Shared {
 }
 
 impl State {
+    /// Lets the devices boot: whoever opens a bus expects devices that were switched on before. Their boot-up messages
+    /// wait for the program.
+    fn boot(&mut self) {
+        let is_booting = |handle: &Handle| {
+            let device = handle.device.lock();
+            device.node().is_some() && device.state() == canvass_analyzer::wire::error_control::State::BOOT_UP
+        };
+        while self.bus.now() < LONGEST_BOOT && self.devices.iter().any(is_booting) {
+            let Some(next) = self.bus.next_time() else { return };
+            let record = self.step(next);
+            self.ready.extend(record);
+        }
+    }
+
     /// The present time of a bus in real time.
     fn present(&self) -> Option<Timestamp> {
         self.started.map(|started| Timestamp(u64::try_from(started.elapsed().as_nanos()).unwrap_or(u64::MAX)))
@@ -164,6 +185,13 @@ impl Simulation {
                 }
                 until_event.into_iter().chain(left).min()
             } else {
+                if state.answered.is_some_and(|answered| answered.elapsed() < OWN) {
+                    if timeout.is_some_and(|timeout| begun.elapsed() >= timeout) {
+                        return None;
+                    }
+                    state = self.sent.wait_timeout(state, OWN).unwrap_or_else(PoisonError::into_inner).0;
+                    continue;
+                }
                 state.unasked += 1;
                 if state.unasked > UNASKED {
                     // A frame that is sent meanwhile ends the pause.
@@ -196,6 +224,13 @@ impl Simulation {
 /// A frame without an object: see `receive_raw`.
 type Raw<'py> = (f64, u32, bool, bool, usize, Bound<'py, PyBytes>, bool);
 
+fn raw<'py>(py: Python<'py>, record: &Record) -> Raw<'py> {
+    let (frame, id) = (&record.frame, record.frame.id());
+    let (seconds, data) = (record.timestamp.nanos() as f64 / 1e9, PyBytes::new(py, frame.data()));
+    let is_rx = record.direction != Direction::Tx;
+    (seconds, id.raw(), id.is_extended(), frame.is_remote(), frame.len(), data, is_rx)
+}
+
 /// A timeout in seconds; a very long one has no end.
 fn span(timeout: Option<f64>) -> Option<std::time::Duration> {
     const LONGEST: f64 = 1e9;
@@ -225,8 +260,9 @@ impl Simulation {
         }
         let mut channels = Channels::new();
         channels.intern(address);
-        let started = real_time.then(Instant::now);
-        let state = State { bus, devices, channels, started, ready: VecDeque::new(), unasked: 0 };
+        let mut state = State { bus, devices, channels, started: None, ready: VecDeque::new(), unasked: 0, answered: None };
+        state.boot();
+        state.started = if real_time { Instant::now().checked_sub(std::time::Duration::from_nanos(state.bus.now().nanos())) } else { None };
         Ok(Self { state: Mutex::new(state), sent: Condvar::new() })
     }
 
@@ -258,10 +294,24 @@ impl Simulation {
     /// its length, its payload, and whether another participant has sent it.
     #[pyo3(signature = (timeout=None, own=false))]
     fn receive_raw<'py>(&self, py: Python<'py>, timeout: Option<f64>, own: bool) -> Option<Raw<'py>> {
-        let Record { timestamp, frame, direction, .. } = py.detach(|| self.wait(span(timeout), own))?;
-        let data = PyBytes::new(py, frame.data());
-        let (id, seconds) = (frame.id(), timestamp.nanos() as f64 / 1e9);
-        Some((seconds, id.raw(), id.is_extended(), frame.is_remote(), frame.len(), data, direction != Direction::Tx))
+        py.detach(|| self.wait(span(timeout), own)).map(|record| raw(py, &record))
+    }
+
+    /// In virtual time: the next frame of another participant within `timeout` seconds, for a sender that takes the
+    /// answers itself. It has the bus for itself for a moment: other threads that receive wait.
+    fn answer<'py>(&self, py: Python<'py>, timeout: f64) -> Option<Raw<'py>> {
+        let mut state = self.state();
+        state.answered = Some(Instant::now());
+        let end = state.bus.now() + Duration((timeout.clamp(0.0, 1e6) * 1e9) as u64);
+        loop {
+            let record = match state.ready.pop_front() {
+                Some(record) => record,
+                None => state.step(end)?,
+            };
+            if record.direction != Direction::Tx {
+                return Some(raw(py, &record));
+            }
+        }
     }
 
     /// The time of the bus in seconds.

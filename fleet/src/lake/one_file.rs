@@ -9,6 +9,7 @@ use crate::scan::results;
 use crate::scan::rows::{self, Understood};
 use crate::scan::{ScanError, Source, capture_row, unreadable_row};
 use crate::table::Table;
+use crate::table::events::Events;
 use crate::table::captures::Captures;
 use crate::table::column::{Rows, nanos};
 use canvass_tables::happenings::Happenings;
@@ -175,7 +176,7 @@ impl Ingester<'_> {
             [Table::Messages, Table::Signals, Table::Events].map(|table| ParquetFile::new(folder, table));
         let mut to_messages = Emitter::new(wholes[0].wanted(), &mut messages);
         let mut to_signals = Emitter::new(wholes[1].wanted(), &mut signals);
-        let mut to_events = Emitter::new(wholes[2].wanted(), &mut events);
+        let mut to_events = Emitter::<Events>::new(wholes[2].wanted(), &mut events);
         let (mut network, mut happenings) = (rows::network(self.source.devices)?, Happenings::default());
         while let Some(what) = seen {
             if what != Seen::Damage {
