@@ -63,5 +63,4 @@ class Description:
     def check(self) -> list[Result]:
         """The findings of ``canvass eds check`` in the file."""
         printed = run(["eds", "check", self.device, "--format", "json"], statuses=(0, 1))
-        files = json.loads(printed)["files"]
-        return [Result(finding) for file in files for finding in file["findings"]]
+        return [Result(finding) for finding in json.loads(printed)["findings"]]

@@ -52,7 +52,8 @@ def run(arguments: Iterable[str], *, input: Optional[bytes] = None, statuses: It
     :raises CanvassError: if its exit status is none of ``statuses``, with the message that it has printed.
     """
     done = subprocess.run([str(path()), *map(str, arguments)], input=input, capture_output=True, check=False)
-    if done.returncode not in tuple(statuses):
+    is_refused = done.returncode != 0 and not done.stdout
+    if is_refused or done.returncode not in tuple(statuses):
         message = done.stderr.decode("utf-8", "replace").strip() or f"exit status {done.returncode}"
         raise CanvassError(message, done.returncode)
     return done.stdout

@@ -88,9 +88,16 @@ class Case(Result):
         )
         return "\n".join(lines)
 
-    def __str__(self) -> str:
+    @property
+    def why(self) -> str:
+        """Why the case has not passed, in words; empty if it has."""
         reason = self._document["reason"]
-        return f"{self._document['verdict']} {self._document['id']}" + (f": {reason}" if reason else "")
+        if not isinstance(reason, dict):
+            return reason or ""
+        return f"{reason['duty']}: expected {reason['expected']}, found {reason['actual']}"
+
+    def __str__(self) -> str:
+        return f"{self._document['verdict']} {self._document['id']}" + (f": {self.why}" if self.why else "")
 
 
 class TestRun(Result):

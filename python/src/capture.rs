@@ -87,7 +87,7 @@ impl Reading {
         let mut damages = self.damages.lock().unwrap_or_else(PoisonError::into_inner);
         damages.1 += 1;
         if damages.0.len() < MOST_DAMAGES {
-            damages.0.push(format!("{}:{damage}", self.merge.name(source)));
+            damages.0.push(format!("{}:{}: {damage}", self.merge.name(source), damage.place.number));
         }
     }
 

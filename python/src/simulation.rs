@@ -260,9 +260,14 @@ impl Simulation {
         }
         let mut channels = Channels::new();
         channels.intern(address);
-        let mut state = State { bus, devices, channels, started: None, ready: VecDeque::new(), unasked: 0, answered: None };
+        let mut state =
+            State { bus, devices, channels, started: None, ready: VecDeque::new(), unasked: 0, answered: None };
         state.boot();
-        state.started = if real_time { Instant::now().checked_sub(std::time::Duration::from_nanos(state.bus.now().nanos())) } else { None };
+        state.started = if real_time {
+            Instant::now().checked_sub(std::time::Duration::from_nanos(state.bus.now().nanos()))
+        } else {
+            None
+        };
         Ok(Self { state: Mutex::new(state), sent: Condvar::new() })
     }
 

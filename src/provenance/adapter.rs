@@ -23,6 +23,7 @@ pub fn of(address: &str) -> String {
             }
             _ => "SLCAN".to_owned(),
         },
+        Ok(BusAddress::Python { interface, .. }) => format!("python-can, {interface}"),
         Ok(BusAddress::Pcan(opening)) => pcan(opening.channel),
         Err(_) => "unknown".to_owned(),
     }

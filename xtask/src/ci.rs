@@ -10,6 +10,7 @@ use crate::fleet;
 use crate::fuzz::fuzz;
 use crate::incidents::incidents;
 use crate::peers;
+use crate::python;
 use crate::run::{is_there, run, target_folder};
 use crate::storm::storm;
 use crate::{vcan, web, windows};
@@ -46,7 +47,7 @@ struct CiStep {
 const FORMAT: CiStep = CiStep { name: "format", alone: "cargo fmt --all --check", run: format };
 const ALL_TESTS: &str = "cargo nextest run --workspace --locked";
 
-const STEPS: [CiStep; 15] = [
+const STEPS: [CiStep; 16] = [
     FORMAT,
     CiStep { name: "tests", alone: ALL_TESTS, run: tests },
     CiStep { name: "examples in the documentation", alone: "cargo test --workspace --locked --doc", run: doc_tests },
@@ -56,6 +57,7 @@ const STEPS: [CiStep; 15] = [
     CiStep { name: "book", alone: "cargo xtask docs", run: book },
     CiStep { name: "programs of others", alone: "cargo xtask peers; cargo xtask browser", run: fetched },
     CiStep { name: "peers and browser", alone: "cargo xtask peers; cargo xtask browser", run: peers_and_browser },
+    CiStep { name: "Python module", alone: "cargo xtask python", run: python::test },
     CiStep { name: "attack", alone: "cargo xtask attack --for 45s", run: attacked },
     CiStep { name: "page as WebAssembly", alone: "cargo xtask web-test", run: page },
     CiStep { name: "real SocketCAN", alone: "cargo xtask vcan --without-nightly", run: vcan::by_day },
@@ -69,7 +71,7 @@ const STEPS: [CiStep; 15] = [
 ];
 
 /// Steps that take long and find little; they run nightly.
-const NIGHTLY: [CiStep; 10] = [
+const NIGHTLY: [CiStep; 11] = [
     CiStep { name: "fleets", alone: "cargo xtask fleet", run: fleet::test },
     CiStep {
         name: "self-test",
@@ -80,6 +82,7 @@ const NIGHTLY: [CiStep; 10] = [
     CiStep { name: "real SocketCAN", alone: "cargo xtask vcan", run: on_vcan },
     CiStep { name: "Windows, by Wine", alone: "cargo xtask windows", run: windows::test },
     CiStep { name: "fuzz targets", alone: "cargo xtask fuzz", run: || fuzz(FUZZ_AT_NIGHT) },
+    CiStep { name: "wheel", alone: "cargo xtask wheel", run: python::wheel },
     CiStep { name: "attack", alone: "cargo xtask attack --for 10m", run: attacked_long },
     CiStep { name: "as found", alone: "cargo xtask as-found --all", run: || as_found(&["--all".to_owned()]) },
     CiStep { name: "storm", alone: "cargo xtask storm", run: storm },
@@ -111,7 +114,10 @@ static FETCHING: Mutex<Option<JoinHandle<Result<()>>>> = Mutex::new(None);
 /// Installs the programs for the steps after [`fetched`]. These steps also check for themselves, and report missing
 /// programs.
 fn fetch() -> Result<()> {
-    let needed = peers::install_all().and_then(|()| browser::install_all()).and_then(|()| vcan::install_all());
+    let needed = peers::install_all()
+        .and_then(|()| python::install())
+        .and_then(|()| browser::install_all())
+        .and_then(|()| vcan::install_all());
     // If these programs can't be installed, the steps that need them are skipped.
     let optional = windows::install_compiler().and_then(|()| web::prepare());
     if let Err(missing) = optional {

@@ -48,6 +48,7 @@ mod memory;
 mod mutants;
 mod packages;
 mod peers;
+mod python;
 mod rooms;
 mod run;
 mod screenshot;
@@ -65,7 +66,7 @@ use anyhow::{Result, bail};
 
 const USAGE: &str = "usage: cargo xtask [--install] COMMAND
     test | ci | nightly | docs
-    peers | browser | fleet [--check] | vcan [WORDS...] | vcan-load
+    peers | browser | python | wheel | fleet [--check] | vcan [WORDS...] | vcan-load
     fuzz [--for SECONDS] | attack [--for SPAN] [--seed N] | storm
     alone [--count N] [--seed N]
     as-found [--all] [--seed N] [--model ID]
@@ -92,6 +93,8 @@ fn main() -> Result<()> {
         Some("docs") => docs::docs(),
         Some("peers") => peers::test(),
         Some("browser") => browser::test(),
+        Some("python") => python::test(),
+        Some("wheel") => python::wheel(),
         Some("bench") if more.first().is_some_and(|word| word == "--instructions") => bench::instructions(),
         Some("bench") if more.first().is_some_and(|word| word == "--descriptions") => bench::descriptions(),
         Some("bench") if more.first().is_some_and(|word| word == "--fleet") => fleet::bench::bench(),

@@ -94,7 +94,7 @@ pub struct EventsOfFrames<'a> {
 impl OfFrames for EventsOfFrames<'_> {
     fn frame(&mut self, frame: Understood<'_>) -> Result<ControlFlow<()>, ScanError> {
         if frame.bus.events().is_empty() {
-            self.happenings.frame(frame, |row| self.emitter.row(row))?;
+            let _ = self.happenings.frame(frame, |row| self.emitter.row(row))?;
             return Ok(self.emitter.look());
         }
         self.happenings.frame(frame, |row| self.emitter.row(row))

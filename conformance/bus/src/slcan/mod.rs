@@ -6,6 +6,7 @@ mod arrival;
 mod codec;
 mod hub;
 mod link;
+pub mod python;
 mod reader;
 mod stamps;
 mod way;
@@ -33,6 +34,8 @@ pub struct SlCan {
     shared: Arc<Shared>,
     reader: Option<JoinHandle<()>>,
     bit_rate: Option<u32>,
+    /// The Python program that is the adapter, for a bus of python-can.
+    bridge: Option<python::Bridge>,
 }
 
 /// State shared by the bus and its reading thread.
@@ -89,6 +92,14 @@ pub enum SlCanError {
         name: String,
         /// The time waited.
         waited: canvass_traces::Duration,
+    },
+    /// python-can can't open the bus.
+    #[error("{name}: {reason}")]
+    Python {
+        /// The address.
+        name: String,
+        /// The error of Python, with a remedy.
+        reason: String,
     },
     /// All programs have left this end.
     #[error("no program is connected to {name}: start one that connects to it")]
@@ -161,7 +172,7 @@ impl SlCan {
         reader.connect()?;
         let thread = std::thread::Builder::new().name(format!("receive {}", shared.name));
         let reader = thread.spawn(move || reader.run()).map_err(failed)?;
-        Ok(Self { shared, reader: Some(reader), bit_rate })
+        Ok(Self { shared, reader: Some(reader), bit_rate, bridge: None })
     }
 }
 
@@ -226,6 +237,9 @@ impl Bus for SlCan {
 
     /// Closes the adapter's channel, sets the bit rate and reopens the channel.
     fn set_bit_rate(&mut self, bit_rate: u32) -> Result<(), BusError> {
+        if self.bridge.is_some() {
+            return Err(BusError::FixedBitRate { bit_rate });
+        }
         let (done, answer) = channel();
         let change = Change { index: index_of(bit_rate)?, done };
         *self.shared.change.lock().unwrap_or_else(PoisonError::into_inner) = Some(change);

@@ -9,6 +9,7 @@
 //! slcan:listen://PORT               as above, for a program on this machine only
 //! pcan:PCAN_USBBUS1@BITRATE         an adapter of PEAK, through PEAK's library
 //! pcan:CHANNEL@BITRATE+listen-only  an adapter of PEAK that neither sends nor acknowledges
+//! python:INTERFACE:CHANNEL[@BITRATE]   a bus of python-can, such as python:kvaser:0@250k
 //! sim:MODEL[@BITRATE][+FAULT...]    a simulated bus with a simulated device
 //! sim:MODEL[:NODE][@BITRATE][~MOTION][~~LIBERTY...][+FAULT...][+MODEL...]    the full form, also
 //!                                   with several devices
@@ -43,6 +44,15 @@ pub enum BusAddress {
     SlCan {
         /// The path of the adapter's port.
         port: String,
+        /// The bit rate in bit/s, if the address gives one.
+        bit_rate: Option<u32>,
+    },
+    /// A bus of python-can.
+    Python {
+        /// python-can's name of the interface, such as `kvaser`.
+        interface: String,
+        /// The channel.
+        channel: String,
         /// The bit rate in bit/s, if the address gives one.
         bit_rate: Option<u32>,
     },
@@ -108,6 +118,10 @@ pub fn open_seeded_at(address: &str, seed: u64, node: Option<NodeId>) -> Result<
         }
         BusAddress::SlCan { port, bit_rate } => {
             let bus = canvass_bus::slcan::open(&port, bit_rate)?;
+            Ok(Opened { bus, model: None, devices: Vec::new() })
+        }
+        BusAddress::Python { interface, channel, bit_rate } => {
+            let bus = Box::new(canvass_bus::slcan::python::open(&interface, &channel, bit_rate)?);
             Ok(Opened { bus, model: None, devices: Vec::new() })
         }
         #[cfg(any(windows, target_os = "linux"))]
@@ -177,15 +191,28 @@ impl FromStr for BusAddress {
             Some(("sim", rest)) => simulated::parse(rest).map(BusAddress::Simulated),
             Some(("slcan", rest)) => slcan(rest),
             Some(("pcan", rest)) => pcan(rest),
+            Some(("python", rest)) => python(rest),
             Some(("socketcan", interface)) => socketcan(interface),
             None => socketcan(address),
             Some((kind, _)) => Err(format!(
-                "expected socketcan:INTERFACE, slcan:PORT[@BITRATE], pcan:CHANNEL@BITRATE or \
-                 sim:MODEL[@BITRATE][+FAULT...], found \"{kind}:\""
+                "expected socketcan:INTERFACE, slcan:PORT[@BITRATE], pcan:CHANNEL@BITRATE, \
+                 python:INTERFACE:CHANNEL[@BITRATE] or sim:MODEL[@BITRATE][+FAULT...], found \"{kind}:\""
             )),
         };
         parsed.map_err(|reason| BusError::Address { address: address.to_owned(), reason })
     }
+}
+
+/// `INTERFACE:CHANNEL[@BITRATE]`.
+fn python(text: &str) -> Result<BusAddress, String> {
+    let (named, bit_rate) = match text.rsplit_once('@') {
+        Some((named, rate)) => (named, Some(parse_bit_rate(rate)?)),
+        None => (text, None),
+    };
+    let parts = named.split_once(':').filter(|(interface, channel)| !interface.is_empty() && !channel.is_empty());
+    let (interface, channel) =
+        parts.ok_or_else(|| format!("expected python:INTERFACE:CHANNEL[@BITRATE], found \"python:{text}\""))?;
+    Ok(BusAddress::Python { interface: interface.to_owned(), channel: channel.to_owned(), bit_rate })
 }
 
 fn socketcan(interface: &str) -> Result<BusAddress, String> {
