@@ -1,8 +1,8 @@
 //! The module `canvass._native`: what Python can't do quickly enough itself.
 //!
-//! - [`capture`]: captures, as Python objects and as Arrow streams;
-//! - [`simulation`]: simulated buses;
-//! - [`description`]: the objects of a device description.
+//! - `capture`: captures, as Python objects and as Arrow streams;
+//! - `simulation`: simulated buses;
+//! - `description`: the objects of a device description.
 
 mod capture;
 mod description;

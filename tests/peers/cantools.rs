@@ -101,7 +101,7 @@ fn compare(row: &Value, message: &Value) -> usize {
         }
         let (object, label) = comment.as_str().unwrap().split_once(' ').unwrap();
         let unit = unit.as_str().filter(|unit| !unit.is_empty()).map(|unit| format!(" [{unit}]")).unwrap_or_default();
-        let columns = [format!("can0.{NODE}.{label} {object}{unit}"), format!("can0.{NODE}.{label}{unit}")];
+        let columns = [format!("node {NODE} {label} {object}{unit}"), format!("node {NODE} {label}{unit}")];
         let ours = columns.iter().find_map(|column| row.get(column)).unwrap_or_else(|| panic!("{columns:?} in {row}"));
         let ours = ours.as_f64().or_else(|| ours.as_bool().map(|bit| f64::from(u8::from(bit)))).unwrap();
         let theirs = value.as_f64().unwrap();
