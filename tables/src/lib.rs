@@ -1,6 +1,6 @@
 //! Captures as Arrow tables: each table's columns are defined once, for SQL, data frames and the documentation.
 //!
-//! - [`column`]: columns: name, type, meaning, and the function that gets the value of a row;
+//! - [`mod@column`]: columns: name, type, meaning, and the function that gets the value of a row;
 //! - [`builder`]: batches of rows;
 //! - [`frames`]: frames as they were recorded;
 //! - [`messages`]: frames with their decoded meaning;

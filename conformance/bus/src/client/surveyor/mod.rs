@@ -205,7 +205,7 @@ impl<'a, 'b> Surveyor<'a, 'b> {
         Ok(None)
     }
 
-    /// Reads one index in [`SAMPLE`] of an area that the standard reserves, and the whole area if a sample exists.
+    /// Reads every 64th index of an area that the standard reserves, and the whole area if one of them exists.
     /// Returns the index at which it gave up, as [`Surveyor::area`] does.
     ///
     /// # Errors
