@@ -117,6 +117,10 @@ fn build(target: Option<&str>) -> Result<PathBuf> {
     let before = all_wheels()?;
     let mut maturin = vec!["-m", "maturin", "build", "--release", "--locked", "--out", WHEELS];
     maturin.extend(["--manifest-path", "python/Cargo.toml"]);
+    if target.is_some() {
+        // One module serves all versions from 3.9 on; without a name maturin would try those that can't have it, too.
+        maturin.extend(["--interpreter", "python3.9"]);
+    }
     maturin.extend(of_target);
     run(VENV.python, &maturin)?;
     fs::remove_dir_all(DATA)?;
