@@ -32,7 +32,9 @@ pub fn install() -> Result<()> {
 /// Compiles the module with everything else, and runs its tests.
 pub fn test() -> Result<()> {
     install()?;
-    run("cargo", &[&["build", "--workspace", "--locked"][..], &FEATURES[..]].concat())?;
+    // With the tests, the features of all crates are those of the test step: nothing is compiled a second time.
+    const BUILD: [&str; 6] = ["build", "--workspace", "--lib", "--bins", "--tests", "--locked"];
+    run("cargo", &[&BUILD[..], &FEATURES[..]].concat())?;
     stage()?;
     let program = target_folder().join("debug/canvass").canonicalize().context("the compiled program")?;
     let tests = ["-m", "pytest", "-q", "--rootdir", "python", "python/tests"];
