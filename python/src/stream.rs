@@ -5,13 +5,13 @@ use arrow_array::ffi_stream::FFI_ArrowArrayStream;
 use arrow_array::{RecordBatch, RecordBatchReader};
 use arrow_schema::ffi::FFI_ArrowSchema;
 use arrow_schema::{ArrowError, Field, Schema, SchemaRef};
-use canvass_analyzer::Meaning;
 use canvass_tables::builder::BatchBuilder;
 use canvass_tables::column::{Column, Rows};
+use canvass_tables::decoded_frame::DecodedFrame;
+use canvass_tables::event_collector::EventCollector;
 use canvass_tables::events::Events;
 use canvass_tables::frames::{FrameRow, Frames};
-use canvass_tables::happenings::{Happenings, Understood};
-use canvass_tables::messages::{MessageRow, Messages};
+use canvass_tables::messages::Messages;
 use canvass_tables::signals::{SignalRow, Signals};
 use pyo3::exceptions::PyValueError;
 use pyo3::prelude::*;
@@ -116,7 +116,7 @@ struct RowsOf {
 enum Filling {
     Frames(BatchBuilder<Frames>),
     Messages(BatchBuilder<Messages>),
-    Events(BatchBuilder<Events>, Happenings, bool),
+    Events(BatchBuilder<Events>, EventCollector, bool),
     Signals(BatchBuilder<Signals>),
 }
 
@@ -125,7 +125,7 @@ impl Filling {
         match kind {
             Kind::Frames => Self::Frames(builder()),
             Kind::Messages => Self::Messages(builder()),
-            Kind::Events => Self::Events(builder(), Happenings::default(), false),
+            Kind::Events => Self::Events(builder(), EventCollector::default(), false),
             Kind::Signals => Self::Signals(builder()),
         }
     }
@@ -167,21 +167,20 @@ impl Filling {
     }
 
     /// Adds the rows of a frame.
-    fn frame(&mut self, frame: Understood<'_>) {
-        let Understood { capture, record, channels, decoded, bus } = frame;
+    fn frame(&mut self, frame: DecodedFrame<'_>) {
         match self {
-            Self::Frames(builder) => builder.push(&FrameRow { capture, record, channels }),
-            Self::Messages(builder) => builder.push(&MessageRow { capture, record, channels, decoded, bus }),
-            Self::Events(builder, happenings, _) => {
-                let added: Result<_, Infallible> = happenings.frame(frame, |row| {
+            Self::Frames(_) => debug_assert!(false, "the table of frames needs no decoding"),
+            Self::Messages(builder) => builder.push(&frame),
+            Self::Events(builder, collector, _) => {
+                let added: Result<_, Infallible> = collector.frame(frame, |row| {
                     builder.push(row);
                     Ok(ControlFlow::Continue(()))
                 });
                 let _: ControlFlow<()> = added.unwrap_or_else(|never| match never {});
             }
             Self::Signals(builder) => {
-                for signal in Meaning::new(record, decoded, bus).signals() {
-                    builder.push(&SignalRow { capture, record, channels, decoded, signal: &signal });
+                for signal in frame.meaning().signals() {
+                    builder.push(&SignalRow { frame, signal: &signal });
                 }
             }
         }
@@ -189,11 +188,11 @@ impl Filling {
 
     /// Adds the rows of the end of the capture, once.
     fn end(&mut self, capture: &str, reading: &Reading) {
-        if let Self::Events(builder, happenings, ended) = self
+        if let Self::Events(builder, collector, ended) = self
             && !std::mem::replace(ended, true)
         {
             let added: Result<(), Infallible> =
-                happenings.finish(capture, reading.channels(), &reading.network, None, |row| {
+                collector.finish(capture, reading.channels(), &reading.network, None, |row| {
                     builder.push(row);
                     Ok(ControlFlow::Continue(()))
                 });
@@ -218,7 +217,13 @@ impl Iterator for RowsOf {
             }
             let decoded = &reading.network.handle(&reading.record);
             let Some(bus) = reading.network.bus(reading.record.channel) else { continue };
-            filling.frame(Understood { capture, record: &reading.record, channels: reading.channels(), decoded, bus });
+            filling.frame(DecodedFrame {
+                capture,
+                record: &reading.record,
+                channels: reading.channels(),
+                decoded,
+                bus,
+            });
         }
         (filling.rows() > 0).then(|| filling.finish())
     }

@@ -1,33 +1,19 @@
 //! `messages`: every frame, decoded in its context.
 
 use super::column::{Column, Rows, write, write_str};
+use super::decoded_frame::DecodedFrame;
 use super::frames::frame_columns;
-use canvass_analyzer::network::{Bus, Decoded};
+use canvass_analyzer::network::Decoded;
 use canvass_analyzer::wire::sdo::{Request, Response};
 use canvass_analyzer::{Meaning, Message, NodeId, Service};
 use canvass_reports::decode::source_name;
 use canvass_reports::events::StateName;
-use canvass_traces::{Channels, Record};
 
 /// The rows of `messages`.
 pub struct Messages;
 
-/// A frame with its meaning.
-pub struct MessageRow<'a> {
-    /// The name of the capture.
-    pub capture: &'a str,
-    /// The frame.
-    pub record: &'a Record,
-    /// The channels of the capture, with their names.
-    pub channels: &'a Channels,
-    /// The decoded meaning of the frame.
-    pub decoded: &'a Decoded,
-    /// The state of the bus after this frame.
-    pub bus: &'a Bus,
-}
-
 impl Rows for Messages {
-    type Row<'a> = MessageRow<'a>;
+    type Row<'a> = DecodedFrame<'a>;
     const COLUMNS: &'static [Column<Self>] = frame_columns![
         "service" word "the service, by its name in [json.md](json.md)" = |row| Some(row.decoded.service.name());
         "source" word "how the use of the CAN-ID is known: `predefined`, `description`, `trace`" = |row| source(row.decoded);
@@ -64,12 +50,6 @@ impl Rows for Messages {
         "state",
         "violation",
     ];
-}
-
-impl MessageRow<'_> {
-    fn meaning(&self) -> Meaning<'_> {
-        Meaning::new(self.record, self.decoded, self.bus)
-    }
 }
 
 /// Writes the meaning of a frame; frames without text need no formatting.

@@ -1,25 +1,18 @@
 //! `signals`: the values of process data, one row each.
 
 use super::column::{Column, Rows, write, write_str};
+use super::decoded_frame::DecodedFrame;
 use super::messages::{node, pdo};
 use crate::columns;
-use canvass_analyzer::network::Decoded;
 use canvass_analyzer::{Number, SignalValue};
-use canvass_traces::{Channels, Record};
 
 /// The rows of `signals`.
 pub struct Signals;
 
 /// A value in a PDO or SRDO.
 pub struct SignalRow<'a> {
-    /// The name of the capture.
-    pub capture: &'a str,
-    /// The frame.
-    pub record: &'a Record,
-    /// The channels of the capture, with their names.
-    pub channels: &'a Channels,
-    /// The decoded meaning of the frame.
-    pub decoded: &'a Decoded,
+    /// The frame that carries the value.
+    pub frame: DecodedFrame<'a>,
     /// The value.
     pub signal: &'a SignalValue<'a>,
 }
@@ -27,14 +20,14 @@ pub struct SignalRow<'a> {
 impl Rows for Signals {
     type Row<'a> = SignalRow<'a>;
     const COLUMNS: &'static [Column<Self>] = columns![Self:
-        "capture" name "the file" = |row, out| write_str(out, Some(row.capture));
-        "number" u64 "the frame's line, packet or message in the file, from 1" = |row| Some(row.record.place.number);
-        "t" time "when the frame was seen" = |row| Some(row.record.timestamp);
-        "channel" name "the channel's name" = |row, out| write_str(out, Some(row.channels.name(row.record.channel)));
-        "can_id" u32 "the frame's CAN-ID" = |row| Some(super::frames::can_id(row.record));
-        "service" word "`pdo` or `srdo`" = |row| Some(row.decoded.service.name());
-        "node" u8 "the node whose process data they are" = |row| node(row.decoded);
-        "pdo" name "which PDO: `TPDO 1`" = |row, out| write(out, pdo(&row.decoded.message));
+        "capture" name "the file" = |row, out| write_str(out, Some(row.frame.capture));
+        "number" u64 "the frame's line, packet or message in the file, from 1" = |row| Some(row.frame.record.place.number);
+        "t" time "when the frame was seen" = |row| Some(row.frame.record.timestamp);
+        "channel" name "the channel's name" = |row, out| write_str(out, Some(row.frame.channels.name(row.frame.record.channel)));
+        "can_id" u32 "the frame's CAN-ID" = |row| Some(super::frames::can_id(row.frame.record));
+        "service" word "`pdo` or `srdo`" = |row| Some(row.frame.decoded.service.name());
+        "node" u8 "the node whose process data they are" = |row| node(row.frame.decoded);
+        "pdo" name "which PDO: `TPDO 1`" = |row, out| write(out, pdo(&row.frame.decoded.message));
         "index" u16 "the mapped object" = |row| Some(u64::from(row.signal.multiplexer().index.0));
         "sub" u8 "its sub-index" = |row| Some(u64::from(row.signal.multiplexer().sub.0));
         "name" name "the object's name" = |row, out| write(out, row.signal.name());

@@ -6,13 +6,13 @@ use crate::capture::{CaptureFile, Reading, Seen, Unreadable};
 use crate::scan::diagnosed::{self, Diagnosing};
 use crate::scan::emit::{Emitter, Wanted};
 use crate::scan::results;
-use crate::scan::rows::{self, Understood};
+use crate::scan::rows::{self, DecodedFrame};
 use crate::scan::{ScanError, Source, capture_row, unreadable_row};
 use crate::table::Table;
-use crate::table::events::Events;
 use crate::table::captures::Captures;
 use crate::table::column::{Rows, nanos};
-use canvass_tables::happenings::Happenings;
+use crate::table::events::Events;
+use canvass_tables::event_collector::EventCollector;
 use canvass_traces::{Quality, Timestamp};
 use datafusion::arrow::datatypes::SchemaRef;
 use tokio::runtime::Handle;
@@ -177,24 +177,24 @@ impl Ingester<'_> {
         let mut to_messages = Emitter::new(wholes[0].wanted(), &mut messages);
         let mut to_signals = Emitter::new(wholes[1].wanted(), &mut signals);
         let mut to_events = Emitter::<Events>::new(wholes[2].wanted(), &mut events);
-        let (mut network, mut happenings) = (rows::network(self.source.devices)?, Happenings::default());
+        let (mut network, mut collector) = (rows::network(self.source.devices)?, EventCollector::default());
         while let Some(what) = seen {
             if what != Seen::Damage {
                 let (record, channels) = (reading.record(), reading.merge().channels());
                 let decoded = &network.handle(record);
                 if let Some(bus) = network.bus(record.channel) {
-                    let frame = Understood { capture: &file.name, record, channels, decoded, bus };
+                    let frame = DecodedFrame { capture: &file.name, record, channels, decoded, bus };
                     // An error of writing is reported when the file is finished.
                     let _ = rows::message(frame, &mut to_messages)?;
                     let _ = rows::signals(frame, &mut to_signals)?;
-                    let _ = happenings.frame(frame, |row| to_events.row(row))?;
+                    let _ = collector.frame(frame, |row| to_events.row(row))?;
                 }
             }
             diagnosing.take(what, reading)?;
             seen = reading.advance()?;
         }
         let channels = reading.merge().channels();
-        happenings.finish(&file.name, channels, &network, None, |row| to_events.row(row))?;
+        collector.finish(&file.name, channels, &network, None, |row| to_events.row(row))?;
         to_messages.finish()?;
         to_signals.finish()?;
         to_events.finish()?;

@@ -1,7 +1,7 @@
 //! Rows of one file, which is read once and only until no more rows are wanted.
 
 use super::emit::{Emitter, Outlet, Wanted};
-use super::rows::{self, EventsOfFrames, OfFrames, Understood};
+use super::rows::{self, DecodedFrame, EventsOfFrames, OfFrames};
 use super::{ScanError, diagnosed, results};
 use crate::capture::{Access, CaptureFile, Reading, Seen, Unreadable};
 use crate::devices::Devices;
@@ -11,7 +11,7 @@ use crate::table::frames::{FrameRow, Frames};
 use crate::table::messages::Messages;
 use crate::table::signals::Signals;
 use canvass_analyzer::network::{Network, Skipping, Steady};
-use canvass_tables::happenings::Happenings;
+use canvass_tables::event_collector::EventCollector;
 use canvass_traces::{Quality, SkipSet, Timestamp};
 use std::ops::ControlFlow;
 
@@ -145,7 +145,7 @@ fn decode(
         let (record, channels) = (reading.record(), reading.merge().channels());
         let decoded = &network.handle(record);
         let Some(bus) = network.bus(record.channel) else { continue };
-        let frame = Understood { capture: &file.name, record, channels, decoded, bus };
+        let frame = DecodedFrame { capture: &file.name, record, channels, decoded, bus };
         if rows.frame(frame)?.is_break() {
             return Ok(ControlFlow::Break(()));
         }
@@ -187,12 +187,12 @@ fn events(
     wanted: Wanted<'_>,
     outlet: &mut dyn Outlet,
 ) -> Result<(), ScanError> {
-    let mut events = EventsOfFrames { happenings: Happenings::default(), emitter: Emitter::new(wanted, outlet) };
+    let mut events = EventsOfFrames { collector: EventCollector::default(), emitter: Emitter::new(wanted, outlet) };
     let decoded = decode(source, &mut reading, file, wanted.skips, &mut events)?;
-    let EventsOfFrames { happenings, mut emitter } = events;
+    let EventsOfFrames { collector, mut emitter } = events;
     if let ControlFlow::Continue((network, skipped)) = decoded {
         let channels = reading.merge().channels();
-        happenings.finish(&file.name, channels, &network, skipped, |row| emitter.row(row))?;
+        collector.finish(&file.name, channels, &network, skipped, |row| emitter.row(row))?;
     }
     emitter.finish()
 }

@@ -4,12 +4,11 @@ use super::ScanError;
 use super::emit::Emitter;
 use crate::devices::Devices;
 use crate::table::events::Events;
-use crate::table::messages::{MessageRow, Messages};
+use crate::table::messages::Messages;
 use crate::table::signals::{SignalRow, Signals};
-use canvass_analyzer::Meaning;
 use canvass_analyzer::network::{Network, Steady};
-use canvass_tables::happenings::Happenings;
-pub use canvass_tables::happenings::Understood;
+pub use canvass_tables::decoded_frame::DecodedFrame;
+use canvass_tables::event_collector::EventCollector;
 use std::ops::ControlFlow;
 
 /// A network with the devices of these rules.
@@ -30,20 +29,20 @@ pub trait OfFrames {
     ///
     /// # Errors
     /// As [`Emitter::row`].
-    fn frame(&mut self, frame: Understood<'_>) -> Result<ControlFlow<()>, ScanError>;
+    fn frame(&mut self, frame: DecodedFrame<'_>) -> Result<ControlFlow<()>, ScanError>;
 
     /// Whether there may be frames that give no rows.
     fn may_refuse(&self) -> bool;
 
     /// Whether neither this frame, which is the latest, nor any frame like it gives rows.
-    fn refuses(&mut self, frame: Understood<'_>, steady: Steady) -> bool;
+    fn refuses(&mut self, frame: DecodedFrame<'_>, steady: Steady) -> bool;
 
     /// Reports `frames` skipped frames before the next frame; `Break` if no more rows are wanted.
     fn skipped(&mut self, frames: usize) -> ControlFlow<()>;
 }
 
 impl OfFrames for Emitter<'_, Messages> {
-    fn frame(&mut self, frame: Understood<'_>) -> Result<ControlFlow<()>, ScanError> {
+    fn frame(&mut self, frame: DecodedFrame<'_>) -> Result<ControlFlow<()>, ScanError> {
         message(frame, self)
     }
 
@@ -51,9 +50,8 @@ impl OfFrames for Emitter<'_, Messages> {
         self.may_refuse_alike()
     }
 
-    fn refuses(&mut self, frame: Understood<'_>, steady: Steady) -> bool {
-        let Understood { capture, record, channels, decoded, bus } = frame;
-        self.refuses_alike(&MessageRow { capture, record, channels, decoded, bus }, steady)
+    fn refuses(&mut self, frame: DecodedFrame<'_>, steady: Steady) -> bool {
+        self.refuses_alike(&frame, steady)
     }
 
     fn skipped(&mut self, frames: usize) -> ControlFlow<()> {
@@ -62,7 +60,7 @@ impl OfFrames for Emitter<'_, Messages> {
 }
 
 impl OfFrames for Emitter<'_, Signals> {
-    fn frame(&mut self, frame: Understood<'_>) -> Result<ControlFlow<()>, ScanError> {
+    fn frame(&mut self, frame: DecodedFrame<'_>) -> Result<ControlFlow<()>, ScanError> {
         signals(frame, self)
     }
 
@@ -71,11 +69,8 @@ impl OfFrames for Emitter<'_, Signals> {
     }
 
     /// Frames that are alike have the same signals.
-    fn refuses(&mut self, frame: Understood<'_>, steady: Steady) -> bool {
-        let Understood { capture, record, channels, decoded, bus } = frame;
-        Meaning::new(record, decoded, bus).signals().all(|signal| {
-            self.refuses_alike(&SignalRow { capture, record, channels, decoded, signal: &signal }, steady)
-        })
+    fn refuses(&mut self, frame: DecodedFrame<'_>, steady: Steady) -> bool {
+        frame.meaning().signals().all(|signal| self.refuses_alike(&SignalRow { frame, signal: &signal }, steady))
     }
 
     fn skipped(&mut self, frames: usize) -> ControlFlow<()> {
@@ -85,19 +80,19 @@ impl OfFrames for Emitter<'_, Signals> {
 
 /// The events of frames.
 pub struct EventsOfFrames<'a> {
-    /// The state between events.
-    pub happenings: Happenings,
+    /// The collector of the events.
+    pub collector: EventCollector,
     /// The emitter of the events.
     pub emitter: Emitter<'a, Events>,
 }
 
 impl OfFrames for EventsOfFrames<'_> {
-    fn frame(&mut self, frame: Understood<'_>) -> Result<ControlFlow<()>, ScanError> {
+    fn frame(&mut self, frame: DecodedFrame<'_>) -> Result<ControlFlow<()>, ScanError> {
         if frame.bus.events().is_empty() {
-            let _ = self.happenings.frame(frame, |row| self.emitter.row(row))?;
+            let _ = self.collector.frame(frame, |row| self.emitter.row(row))?;
             return Ok(self.emitter.look());
         }
-        self.happenings.frame(frame, |row| self.emitter.row(row))
+        self.collector.frame(frame, |row| self.emitter.row(row))
     }
 
     fn may_refuse(&self) -> bool {
@@ -105,7 +100,7 @@ impl OfFrames for EventsOfFrames<'_> {
     }
 
     /// A frame that changes no state causes no event.
-    fn refuses(&mut self, _: Understood<'_>, _: Steady) -> bool {
+    fn refuses(&mut self, _: DecodedFrame<'_>, _: Steady) -> bool {
         true
     }
 
@@ -116,18 +111,15 @@ impl OfFrames for EventsOfFrames<'_> {
 
 /// Outputs a frame to `messages`.
 #[inline]
-pub fn message(frame: Understood<'_>, emitter: &mut Emitter<'_, Messages>) -> Result<ControlFlow<()>, ScanError> {
-    let Understood { capture, record, channels, decoded, bus } = frame;
-    emitter.row(&MessageRow { capture, record, channels, decoded, bus })
+pub fn message(frame: DecodedFrame<'_>, emitter: &mut Emitter<'_, Messages>) -> Result<ControlFlow<()>, ScanError> {
+    emitter.row(&frame)
 }
 
 /// Outputs the values of a frame to `signals`.
 #[inline]
-pub fn signals(frame: Understood<'_>, emitter: &mut Emitter<'_, Signals>) -> Result<ControlFlow<()>, ScanError> {
-    let Understood { capture, record, channels, decoded, bus } = frame;
-    for signal in Meaning::new(record, decoded, bus).signals() {
-        let row = SignalRow { capture, record, channels, decoded, signal: &signal };
-        if emitter.row(&row)?.is_break() {
+pub fn signals(frame: DecodedFrame<'_>, emitter: &mut Emitter<'_, Signals>) -> Result<ControlFlow<()>, ScanError> {
+    for signal in frame.meaning().signals() {
+        if emitter.row(&SignalRow { frame, signal: &signal })?.is_break() {
             return Ok(ControlFlow::Break(()));
         }
     }

@@ -1,46 +1,32 @@
-//! The events that frames cause, in the order in which a capture shows them.
+//! Collects the events of a capture: those that its frames cause, its comments, and the SDO transfers that stay open.
 
+use crate::decoded_frame::DecodedFrame;
 use crate::events::{EventRow, What};
-use canvass_analyzer::network::{Bus, Decoded, Network};
+use canvass_analyzer::network::Network;
 use canvass_reports::events::Scene;
-use canvass_traces::{ChannelId, Channels, Record, Timestamp};
+use canvass_traces::{ChannelId, Channels, Timestamp};
 use std::ops::ControlFlow;
 
-/// A decoded frame with its bus.
-#[derive(Clone, Copy)]
-pub struct Understood<'a> {
-    /// The capture's name.
-    pub capture: &'a str,
-    /// The frame.
-    pub record: &'a Record,
-    /// The channels of the capture, with their names.
-    pub channels: &'a Channels,
-    /// The decoded meaning of the frame.
-    pub decoded: &'a Decoded,
-    /// The state of the bus after this frame.
-    pub bus: &'a Bus,
-}
-
-/// The state between the events of a capture.
+/// Collects the events of a capture. It keeps the latest comment until the next event.
 #[derive(Default)]
-pub struct Happenings {
+pub struct EventCollector {
     /// The time of the last frame.
     last: Option<Timestamp>,
     /// The latest comment of the capture, which is output before the next event.
     comment: String,
 }
 
-impl Happenings {
-    /// Passes the events of a frame to `emit`, until it breaks or fails.
+impl EventCollector {
+    /// Passes each event of a frame to `emit`. If `emit` breaks or fails, the remaining events are not passed.
     ///
     /// # Errors
     /// The errors of `emit`.
     pub fn frame<E>(
         &mut self,
-        frame: Understood<'_>,
+        frame: DecodedFrame<'_>,
         mut emit: impl FnMut(&EventRow<'_>) -> Result<ControlFlow<()>, E>,
     ) -> Result<ControlFlow<()>, E> {
-        let Understood { capture, record, channels, decoded, bus } = frame;
+        let DecodedFrame { capture, record, channels, decoded, bus } = frame;
         if let Some(latest) = record.comment() {
             self.comment.clear();
             self.comment.push_str(latest);
@@ -68,8 +54,8 @@ impl Happenings {
         Ok(ControlFlow::Continue(()))
     }
 
-    /// Passes the transfers that had not ended at the end of the capture to `emit`, until it breaks or fails; `skipped`
-    /// is the time of the last frame if that frame was skipped.
+    /// Passes each SDO transfer that was still open at the end of the capture to `emit`. `skipped` is the time of the last
+    /// frame, if that frame was skipped.
     ///
     /// # Errors
     /// The errors of `emit`.
