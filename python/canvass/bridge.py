@@ -5,6 +5,7 @@ the program starts it for ``python:INTERFACE:CHANNEL`` with the interpreter of t
 """
 
 import argparse
+import signal
 import socket
 import sys
 import threading
@@ -106,7 +107,7 @@ class Bridge:
             return
         try:
             self._bus.send(message(line))
-        except (can.CanError, ValueError) as error:
+        except (can.CanError, ValueError, IndexError) as error:
             self.failure = error
             # The status flag "transmit queue full": the frame was not sent.
             self._write(b"F02\r")
@@ -161,6 +162,8 @@ def line_of(received, stamps):
 
 def main():
     """Open a bus of python-can, and serve one program."""
+    # Ctrl-C reaches this process, too. The program needs the bus until it has put the device back, and then ends this.
+    signal.signal(signal.SIGINT, signal.SIG_IGN)
     parser = argparse.ArgumentParser(description=main.__doc__)
     parser.add_argument("--interface", required=True)
     parser.add_argument("--channel", required=True)

@@ -9,7 +9,7 @@ use crate::clock::SteadyClock;
 use crate::inbox::Inbox;
 use crate::{Bus, BusError, Health};
 use canvass_traces::{ChannelId, Direction, Frame, Record, Timestamp};
-use std::io::{self, Read};
+use std::io::Read;
 use std::net::TcpListener;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::{Builder, JoinHandle};
@@ -61,9 +61,9 @@ fn accept(shared: &Arc<Shared>, listener: &TcpListener) {
     while !shared.inbox.is_closed() {
         threads.retain(|thread| !thread.is_finished());
         match link::accept(listener) {
-            // A program that comes when there is no room, or that can't be served, finds its connection closed.
             Ok(Some(link)) if threads.len() < MOST => threads.extend(serve(shared, link)),
-            Ok(Some(_)) => {}
+            // The program finds its connection closed.
+            Ok(Some(_)) => shared.note(format!("a program was refused: {MOST} programs are connected")),
             Ok(None) | Err(_) => std::thread::sleep(LOOK),
         }
     }
@@ -73,22 +73,36 @@ fn accept(shared: &Arc<Shared>, listener: &TcpListener) {
     }
 }
 
-/// Adds a program to the bus, and begins to read from it.
-fn serve(shared: &Arc<Shared>, link: Link) -> io::Result<JoinHandle<()>> {
+/// Connects a program to the bus; its thread begins to read. `None` if the system has no thread for it.
+fn serve(shared: &Arc<Shared>, link: Link) -> Option<JoinHandle<()>> {
     let way = Arc::new(Way::default());
     way.connect(link.writer);
     way.open();
+    // A program that leaves at once is taken off the bus after it was put on it: its thread waits for the lock.
+    let mut programs = shared.programs();
     let program = Program { shared: Arc::clone(shared), way: Arc::clone(&way), reader: link.reader };
-    let thread = Builder::new().name(format!("receive {}", shared.name)).spawn(move || program.run())?;
-    shared.programs().push(way);
-    let now = shared.clock.now();
-    shared.inbox.note(|health| health.came_back(now));
-    Ok(thread)
+    match Builder::new().name(format!("receive {}", shared.name)).spawn(move || program.run()) {
+        Ok(thread) => {
+            programs.push(way);
+            let now = shared.clock.now();
+            shared.inbox.note(|health| health.came_back(now));
+            Some(thread)
+        }
+        Err(error) => {
+            shared.note(format!("a program was refused: {error}"));
+            None
+        }
+    }
 }
 
 impl Shared {
     fn programs(&self) -> MutexGuard<'_, Vec<Arc<Way>>> {
         self.programs.lock().unwrap_or_else(PoisonError::into_inner)
+    }
+
+    /// Notes trouble that does not interrupt the bus.
+    fn note(&self, trouble: String) {
+        self.inbox.note(|health| health.trouble = Some(format!("{}: {trouble}", self.name)));
     }
 
     /// Takes a program off the bus. The bus is interrupted if it was the only one.
@@ -361,11 +375,27 @@ mod tests {
             hub.send(&frame(1)).unwrap();
         }
         talks.write_all(b"t12310F\r").unwrap();
-        hub.limit_backlog(1);
-        until(&hub, |hub| hub.health().receive.count() > 0 || hub.shared.inbox.health().lost > 0);
+        let from_the_other = |record: Record| record.frame.id().raw() == 0x123 && record.direction == Direction::Rx;
+        let deadline = hub.now() + Duration::from_secs(30);
+        while !from_the_other(hub.receive(deadline).unwrap().expect("the frame of the program that reads")) {}
         drop((deaf, talks));
         drop(hub);
         reader.join().unwrap();
+    }
+
+    /// Whoever comes and goes at once leaves nothing behind.
+    #[test]
+    fn programs_that_leave_at_once_are_off_the_bus() {
+        let (mut hub, address) = hub();
+        for _ in 0..50 {
+            drop(TcpStream::connect(&address).unwrap());
+        }
+        let mut last = program(&address);
+        last.send(&frame(7)).unwrap();
+        assert_eq!(received(&mut hub, 1), [(7, Direction::Rx)]);
+        until(&hub, |hub| hub.shared.programs().len() == 1);
+        drop(last);
+        until(&hub, |hub| hub.shared.programs().is_empty() && hub.is_interrupted());
     }
 
     #[test]

@@ -4,8 +4,9 @@
 //! of this machine.
 
 use super::{SlCan, SlCanError};
-use std::io::{BufRead as _, BufReader, Read as _};
+use std::io::{BufRead as _, BufReader, Read};
 use std::process::{Child, ChildStdin, Command, Stdio};
+use std::thread::JoinHandle;
 
 /// The Python program: the bridge of the Python package, which needs nothing but python-can.
 const BRIDGE: &str = include_str!("../../../../python/canvass/bridge.py");
@@ -17,6 +18,8 @@ const INTERPRETER: &str = "CANVASS_PYTHON";
 pub(super) struct Bridge {
     process: Child,
     input: Option<ChildStdin>,
+    /// The last line of its standard error, which a thread reads: a full pipe would stop the program.
+    complaint: Option<JoinHandle<String>>,
 }
 
 /// Opens a bus of python-can: the interface, such as `kvaser`, the channel, and the bit rate in bit/s.
@@ -29,7 +32,8 @@ pub fn open(interface: &str, channel: &str, bit_rate: Option<u32>) -> Result<SlC
     let mut process = start(interface, channel, bit_rate).map_err(failed)?;
     let input = process.stdin.take();
     let (mut address, output) = (String::new(), process.stdout.take());
-    let bridge = Bridge { process, input };
+    let complaint = process.stderr.take().map(|stderr| std::thread::spawn(move || last_line(stderr)));
+    let bridge = Bridge { process, input, complaint };
     let read = output.map(|output| BufReader::new(output).read_line(&mut address));
     let Some(place) = address.trim().strip_prefix("slcan:").filter(|_| matches!(read, Some(Ok(_)))) else {
         return Err(failed(bridge.complaint()));
@@ -55,17 +59,18 @@ fn start(interface: &str, channel: &str, bit_rate: Option<u32>) -> Result<Child,
     Err(reason)
 }
 
+/// The last line with text.
+fn last_line(text: impl Read) -> String {
+    let lines = BufReader::new(text).lines().map_while(Result::ok);
+    lines.filter(|line| !line.trim().is_empty()).last().unwrap_or_default()
+}
+
 impl Bridge {
-    /// The last line that the Python program has written to standard error.
+    /// Why the Python program has ended, with a remedy.
     fn complaint(mut self) -> String {
         drop(self.input.take());
-        let mut text = String::new();
-        if let Some(mut stderr) = self.process.stderr.take() {
-            // Without its text the exit status is all there is.
-            let _ = stderr.read_to_string(&mut text);
-        }
-        let last =
-            text.lines().rev().find(|line| !line.trim().is_empty()).unwrap_or("Python has ended without a message");
+        let told = self.complaint.take().and_then(|thread| thread.join().ok()).filter(|line| !line.is_empty());
+        let last = told.unwrap_or_else(|| "Python has ended without a message".to_owned());
         let remedy = if last.contains("No module named") { " (pip install python-can)" } else { "" };
         format!("{last}{remedy}")
     }
