@@ -42,7 +42,8 @@ class CanvassBus(can.BusABC):
             self.simulation = _native.Simulation(self.address, seed, real_time)
         self.channel_info = f"canvass {self.address}"
         self._own = receive_own_messages
-        self._real_time = real_time if not isinstance(channel, Device) else channel.real_time
+        #: Whether the bus runs at the pace of this computer's clock.
+        self.real_time = channel.real_time if isinstance(channel, Device) else real_time
         # Times of frames are seconds since 1970, as on other interfaces.
         self._began = time.time() - self.simulation.now
         super().__init__(channel=self.address, **kwargs)
@@ -75,7 +76,7 @@ class CanvassBus(can.BusABC):
             )
         except ValueError as error:
             raise can.CanOperationError(str(error)) from error
-        if not self._real_time:
+        if not self.real_time:
             self._answer()
 
     def _answer(self) -> None:

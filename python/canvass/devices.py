@@ -48,7 +48,7 @@ class Device:
             address += f"~{motion}"
         address += "".join(f"~~{liberty}" for liberty in liberties)
         address += "".join(f"+{fault}" for fault in faults)
-        #: The address of such a device for the program; a run there has a device of its own.
+        #: The address at which the program makes a new device of this kind.
         self.address = address
         self.simulation = _native.Simulation(address, seed, real_time)
 

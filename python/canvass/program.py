@@ -7,7 +7,7 @@ import shutil
 import subprocess
 import sysconfig
 from pathlib import Path
-from typing import Iterable, Optional
+from typing import Iterable, Optional, Tuple
 
 #: The environment variable that names another program.
 PROGRAM = "CANVASS_PROGRAM"
@@ -51,9 +51,16 @@ def run(arguments: Iterable[str], *, input: Optional[bytes] = None, statuses: It
 
     :raises CanvassError: if its exit status is none of ``statuses``, with the message that it has printed.
     """
+    return run_with_status(arguments, input=input, statuses=statuses)[0]
+
+
+def run_with_status(
+    arguments: Iterable[str], *, input: Optional[bytes] = None, statuses: Iterable[int] = (0,)
+) -> Tuple[bytes, int]:
+    """As :func:`run`; return the exit status, too."""
     done = subprocess.run([str(path()), *map(str, arguments)], input=input, capture_output=True, check=False)
     is_refused = done.returncode != 0 and not done.stdout
     if is_refused or done.returncode not in tuple(statuses):
         message = done.stderr.decode("utf-8", "replace").strip() or f"exit status {done.returncode}"
         raise CanvassError(message, done.returncode)
-    return done.stdout
+    return done.stdout, done.returncode

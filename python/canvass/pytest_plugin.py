@@ -227,17 +227,14 @@ def canopen_device(request: pytest.FixtureRequest, canopen_network: Any) -> Any:
     device = Device(request.config)
     node = device.node
     if node is None:
-        node = next((node for node, _ in getattr(canopen_network.bus, "simulation", _None).devices), None)
+        simulation = getattr(canopen_network.bus, "simulation", None)
+        node = None if simulation is None else simulation.devices[0][0]
     if node is None:
         raise pytest.UsageError("name the device by --canvass-node")
     description = device.description
     is_file = description is not None and Path(description).is_file()
     dictionary = canopen.import_od(description) if is_file else canopen.ObjectDictionary()
     return canopen_network.add_node(node, dictionary)
-
-
-class _None:
-    devices: list = []
 
 
 class Recording:

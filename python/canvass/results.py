@@ -12,11 +12,19 @@ class Result:
         self._document = document
 
     def __getattr__(self, name: str) -> Any:
+        # A copy that has no document yet asks for names of Python itself.
+        if name.startswith("_"):
+            raise AttributeError(name)
         try:
             return _wrapped(self._document[name])
         except KeyError:
             known = ", ".join(self._document)
             raise AttributeError(f"no field {name!r}: expected one of {known}") from None
+
+    def __eq__(self, other: object) -> bool:
+        return type(self) is type(other) and self.__dict__ == other.__dict__
+
+    __hash__ = None  # type: ignore[assignment]
 
     def __getitem__(self, name: str) -> Any:
         return _wrapped(self._document[name])
@@ -100,7 +108,18 @@ class Case(Result):
         return f"{self._document['verdict']} {self._document['id']}" + (f": {self.why}" if self.why else "")
 
 
-class TestRun(Result):
+class Run(Result):
+    """The result of a run on a device.
+
+    ``status`` is the program's exit status: 0 if the device passed, 1 if it did not or was not left as it was found.
+    """
+
+    def __init__(self, document: dict, status: int):
+        super().__init__(document)
+        self.status = status
+
+
+class TestRun(Run):
     """The result of a conformance run."""
 
     __test__ = False
@@ -116,19 +135,56 @@ class TestRun(Result):
         return [case for case in self.cases if case.failed]
 
     @property
+    def inconclusive(self) -> list[Case]:
+        """The cases that could not be decided."""
+        return [case for case in self.cases if case.verdict == "inconclusive"]
+
+    @property
     def passed(self) -> bool:
-        """Whether no case failed and the run was not interrupted."""
-        return not self._document["cancelled"] and not self.failures
+        """Whether the device passed: at least one case passed, none failed or was undecided, no case was left out, and
+        the device was left as it was found."""
+        return self.status == 0 and any(case.passed for case in self.cases)
+
+    @property
+    def why(self) -> str:
+        """Why the device has not passed, one reason per line; empty if it has."""
+        if self.passed:
+            return ""
+        reasons = [str(case) for case in [*self.failures, *self.inconclusive]]
+        if self._document["cancelled"]:
+            reasons.append("the run was interrupted")
+        reasons += map(str, self._document["notices"])
+        return "\n".join(reasons) or "no case passed"
 
     def case(self, id: str) -> Optional[Case]:
         """The case with this id, if it was chosen."""
         return next((case for case in self.cases if case.id == id), None)
 
 
-class FuzzRun(Result):
+class Violation(Result):
+    """A rule that the device broke while it was fuzzed."""
+
+    def __str__(self) -> str:
+        return f"{self.id}: expected {self.expected}, found {self.actual} ({self.clause})"
+
+
+class FuzzRun(Run):
     """The result of a run of the fuzzer."""
 
     @property
+    def violations(self) -> list[Violation]:
+        """What the device did wrong, each kind once."""
+        return [Violation(violation) for violation in self._document["violations"]]
+
+    @property
     def passed(self) -> bool:
-        """Whether no violation was confirmed."""
-        return not any(violation["confirmed"] for violation in self._document["violations"])
+        """Whether no violation was confirmed, and the device was left as it was found."""
+        return self.status == 0
+
+    @property
+    def why(self) -> str:
+        """Why the device has not passed, one reason per line; empty if it has."""
+        if self.passed:
+            return ""
+        reasons = [str(violation) for violation in self.violations if violation.confirmed]
+        return "\n".join(reasons) or f"the run ended early, or the device was not left as found: {self.ended_by}"

@@ -67,7 +67,7 @@ class Canvass:
 
     @keyword
     def device_should_conform(self, select: Optional[str] = None, waivers: Optional[str] = None, allow: str = "") -> None:
-        """Runs conformance cases, and fails if one of them fails.
+        """Runs conformance cases, and fails unless the device passes: a case that fails or can't be decided fails it.
 
         ``select`` names the cases, such as ``301/sdo`` (default: all). ``waivers`` is the path of a file with waivers.
         """
@@ -76,7 +76,7 @@ class Canvass:
             if case.verdict not in ("pass", "tolerated", "not_applicable"):
                 logger.warn(str(case))
         if not result.passed:
-            raise Failure("\n".join(str(case) for case in result.failures) or "the run was interrupted")
+            raise Failure(result.why)
 
     @keyword
     def run_conformance_cases(self, select: Optional[str] = None, waivers: Optional[str] = None, allow: str = ""):
@@ -88,7 +88,7 @@ class Canvass:
         """Sends the device unexpected frames, and fails if a violation is confirmed."""
         result = runs.fuzz(self._address(), node=self._node, device=self._device, seconds=seconds, target=target)
         if not result.passed:
-            raise Failure("\n".join(str(violation.summary) for violation in result.violations if violation.confirmed))
+            raise Failure(result.why)
 
     @keyword
     def diagnose_capture(self, path: str):

@@ -5,10 +5,11 @@ from __future__ import annotations
 import contextlib
 import json
 import os
-from typing import Any, Iterable, Iterator, Optional, Sequence, Union
+from typing import Any, Iterable, Iterator, Optional, Sequence, Tuple, Union
 
 from canvass.captures import Devices, StrPath
-from canvass.program import run
+from canvass.devices import Device
+from canvass.program import run, run_with_status
 from canvass.results import Diagnosis, FuzzRun, TestRun
 
 
@@ -35,15 +36,15 @@ def test(
 ) -> TestRun:
     """Test whether a device conforms, as ``canvass test`` does.
 
-    :param bus: an address of canvass (``can0``, ``sim:MODEL``), a :class:`canvass.Device`, or a bus of python-can. A
-        python-can bus must not be used by others meanwhile.
+    :param bus: an address of canvass (``can0``, ``sim:MODEL``), a :class:`canvass.Device` in real time, or a bus of
+        python-can. Nobody else may receive from it meanwhile.
     :param node: the node-ID of the device
     :param select: the cases, such as ``301/sdo``
     :param device: a built-in model, or the path of the device's description
     :param allow: changes that the cases may make, such as ``nvm``
     :raises CanvassError: if the bus or the device could not be reached
     """
-    return TestRun(_on_bus("test", bus, node, device, select, waivers, allow, seed, options))
+    return TestRun(*_on_bus("test", bus, node, device, select, waivers, allow, seed, options))
 
 
 # pytest does not take the function for a test.
@@ -70,10 +71,10 @@ def fuzz(
         further += ["--for", f"{round(seconds * 1000)}ms"]
     if runs is not None:
         further += ["--runs", str(runs)]
-    return FuzzRun(_on_bus("fuzz", bus, node, device, None, None, allow, seed, further))
+    return FuzzRun(*_on_bus("fuzz", bus, node, device, None, None, allow, seed, further))
 
 
-def _on_bus(command, bus, node, device, select, waivers, allow, seed, options) -> dict:
+def _on_bus(command, bus, node, device, select, waivers, allow, seed, options) -> Tuple[dict, int]:
     with address(bus) as at:
         arguments = [command, at, "--format", "json"]
         for name, value in [("node", node), ("device", device), ("waivers", waivers), ("seed", seed)]:
@@ -84,22 +85,27 @@ def _on_bus(command, bus, node, device, select, waivers, allow, seed, options) -
             arguments += ["--select", ",".join(chosen)]
         if allow := list(allow):
             arguments += ["--allow", ",".join(allow)]
-        printed = run([*arguments, *options], statuses=(0, 1, 3))
-    return json.loads(printed)
+        printed, status = run_with_status([*arguments, *options], statuses=(0, 1, 3))
+    return json.loads(printed), status
 
 
 @contextlib.contextmanager
 def address(bus: Any) -> Iterator[str]:
-    """The address under which the program reaches a bus; a python-can bus is bridged meanwhile."""
+    """The address under which the program reaches a bus; a device's bus and that of python-can are bridged meanwhile."""
     if isinstance(bus, str):
         yield bus
-    elif hasattr(bus, "address"):
-        yield bus.address
-    else:
-        from canvass.bridge import Bridge
+        return
+    from canvass.bridge import Bridge
 
-        with Bridge(bus) as bridge:
-            yield bridge.address
+    with contextlib.ExitStack() as opened:
+        if isinstance(bus, Device):
+            bus = opened.enter_context(bus.bus())
+        if not getattr(bus, "real_time", True):
+            raise ValueError(
+                f"the program can't follow the virtual time of this bus: test a new device at its address {bus.address!r}, "
+                "or this one with real_time=True"
+            )
+        yield opened.enter_context(Bridge(bus)).address
 
 
 def _devices(device: Optional[Devices]) -> list[str]:

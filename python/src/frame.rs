@@ -2,20 +2,29 @@
 
 use canvass_traces::{Channels, Direction, Record};
 use pyo3::prelude::*;
-use pyo3::types::PyBytes;
 
 /// A frame of a capture or a bus.
-#[pyclass(frozen, module = "canvass")]
+#[pyclass(frozen, get_all, module = "canvass")]
 pub struct Frame {
+    /// The time in nanoseconds, exactly.
     time_ns: u64,
+    /// The channel's name, such as `can0`.
     channel: String,
+    /// The CAN-ID, 11 or 29 bits.
     can_id: u32,
+    /// Whether the CAN-ID has 29 bits.
     is_extended: bool,
+    /// Whether it is a remote frame.
     is_remote: bool,
+    /// Whether it is an error frame.
     is_error: bool,
+    /// Whether it is a CAN FD frame.
     is_fd: bool,
+    /// `rx`, `tx`, or `None` if the capture does not say it.
     direction: Option<&'static str>,
+    /// The number of bytes; of a remote frame the number that it asks for.
     length: usize,
+    /// The payload.
     data: Vec<u8>,
 }
 
@@ -47,66 +56,6 @@ impl Frame {
     #[getter]
     fn time(&self) -> f64 {
         self.time_ns as f64 / 1e9
-    }
-
-    /// The time in nanoseconds, exactly.
-    #[getter]
-    const fn time_ns(&self) -> u64 {
-        self.time_ns
-    }
-
-    /// The channel's name, such as `can0`.
-    #[getter]
-    fn channel(&self) -> &str {
-        &self.channel
-    }
-
-    /// The CAN-ID, 11 or 29 bits.
-    #[getter]
-    const fn can_id(&self) -> u32 {
-        self.can_id
-    }
-
-    /// Whether the CAN-ID has 29 bits.
-    #[getter]
-    const fn is_extended(&self) -> bool {
-        self.is_extended
-    }
-
-    /// Whether it is a remote frame.
-    #[getter]
-    const fn is_remote(&self) -> bool {
-        self.is_remote
-    }
-
-    /// Whether it is an error frame.
-    #[getter]
-    const fn is_error(&self) -> bool {
-        self.is_error
-    }
-
-    /// Whether it is a CAN FD frame.
-    #[getter]
-    const fn is_fd(&self) -> bool {
-        self.is_fd
-    }
-
-    /// `rx`, `tx`, or `None` if the capture does not say it.
-    #[getter]
-    const fn direction(&self) -> Option<&'static str> {
-        self.direction
-    }
-
-    /// The number of bytes; of a remote frame the number that it asks for.
-    #[getter]
-    const fn length(&self) -> usize {
-        self.length
-    }
-
-    /// The payload.
-    #[getter]
-    fn data<'py>(&self, py: Python<'py>) -> Bound<'py, PyBytes> {
-        PyBytes::new(py, &self.data)
     }
 
     fn __repr__(&self) -> String {

@@ -8,16 +8,25 @@ use canvass_traces::{Channels, Record};
 use pyo3::prelude::*;
 
 /// A frame with its meaning.
-#[pyclass(frozen, module = "canvass")]
+#[pyclass(frozen, get_all, module = "canvass")]
 pub struct Message {
+    /// The frame.
     frame: Py<Frame>,
+    /// The service, such as `sdo`, `pdo`, `nmt` or `heartbeat`.
     service: &'static str,
+    /// The sender; of an SDO request the server, of a command the node that it names.
     node: Option<u8>,
+    /// The index of the object that is read or written, or that the message names.
     index: Option<u16>,
+    /// The object's sub-index.
     sub: Option<u8>,
+    /// The object's name.
     object: Option<String>,
+    /// The PDO, such as `TPDO 1`.
     pdo: Option<String>,
+    /// The rule of the SDO protocol that the frame breaks.
     violation: Option<&'static str>,
+    /// The frame in words.
     meaning: String,
 }
 
@@ -40,64 +49,10 @@ impl Message {
 
 #[pymethods]
 impl Message {
-    /// The frame.
-    #[getter]
-    fn frame(&self, py: Python<'_>) -> Py<Frame> {
-        self.frame.clone_ref(py)
-    }
-
     /// The time in seconds, as the capture counts it.
     #[getter]
     fn time(&self, py: Python<'_>) -> PyResult<Py<PyAny>> {
         self.frame.getattr(py, "time")
-    }
-
-    /// The service, such as `sdo`, `pdo`, `nmt` or `heartbeat`.
-    #[getter]
-    const fn service(&self) -> &'static str {
-        self.service
-    }
-
-    /// The node that it concerns: the sender of its own messages, the server of SDOs, the node that a command names.
-    #[getter]
-    const fn node(&self) -> Option<u8> {
-        self.node
-    }
-
-    /// The index of the object that it is about.
-    #[getter]
-    const fn index(&self) -> Option<u16> {
-        self.index
-    }
-
-    /// The sub-index.
-    #[getter]
-    const fn sub(&self) -> Option<u8> {
-        self.sub
-    }
-
-    /// The object's name.
-    #[getter]
-    fn object(&self) -> Option<&str> {
-        self.object.as_deref()
-    }
-
-    /// The PDO, such as `TPDO 1`.
-    #[getter]
-    fn pdo(&self) -> Option<&str> {
-        self.pdo.as_deref()
-    }
-
-    /// The rule of the SDO protocol that the frame breaks.
-    #[getter]
-    const fn violation(&self) -> Option<&'static str> {
-        self.violation
-    }
-
-    /// The frame in words.
-    #[getter]
-    fn meaning(&self) -> &str {
-        &self.meaning
     }
 
     fn __repr__(&self) -> String {

@@ -14,7 +14,7 @@ use pyo3::prelude::*;
 use pyo3::types::PyBytes;
 use std::collections::VecDeque;
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
-use std::time::Instant;
+use std::time::{Duration as StdDuration, Instant};
 
 /// The built-in models: pairs of id and summary.
 #[pyfunction]
@@ -40,9 +40,11 @@ struct State {
     started: Option<Instant>,
     /// Frames that were on the bus and that nobody has received yet.
     ready: VecDeque<Record>,
+    /// Number of frames that were dropped because nobody received them in time.
+    lost: u64,
     /// Number of calls of `receive` in virtual time since the last frame was sent.
     unasked: u32,
-    /// The time at which a sender last took the answers itself ([`Simulation::answer`]).
+    /// When [`Simulation::answer`] was last called.
     answered: Option<Instant>,
 }
 
@@ -55,17 +57,19 @@ struct Handle {
     attached: Attached,
 }
 
-/// Number of frames that wait for the program. The oldest are dropped, as in the queue of an adapter.
+/// Maximum number of frames that wait for the program. The oldest are dropped, as in the queue of an adapter.
 const WAITING: usize = 1 << 16;
 /// The longest boot of a device: a faulty one may never end it.
 const LONGEST_BOOT: Timestamp = Timestamp(30_000_000_000);
-/// In virtual time, number of calls of `receive` after which a program that sends nothing has to wait a moment: a
-/// thread that receives all the time would take all processor time, and a day would pass in a second.
+/// Number of calls of `receive` in virtual time after which a program that sends nothing has to wait for [`MOMENT`].
+/// Without it a thread that receives all the time would use a whole processor, and a day would pass in a second.
 const UNASKED: u32 = 256;
-const MOMENT: std::time::Duration = std::time::Duration::from_millis(1);
-/// The time for which a sender that takes the answers itself has the bus in virtual time for itself: another thread that
-/// receives would let hours pass between two requests.
-const OWN: std::time::Duration = std::time::Duration::from_millis(20);
+const MOMENT: StdDuration = StdDuration::from_millis(1);
+/// The longest wait after which Python may handle signals, such as Ctrl-C.
+const LOOK: StdDuration = StdDuration::from_millis(50);
+/// How long `receive` of other threads waits in virtual time after a call of [`Simulation::answer`]. Without it such a
+/// thread would let hours pass between two requests.
+const OWN: StdDuration = StdDuration::from_millis(20);
 
 impl Shared {
     fn lock(&self) -> MutexGuard<'_, Device> {
@@ -138,6 +142,7 @@ impl State {
     fn keep(&mut self, record: Record) {
         if self.ready.len() >= WAITING {
             self.ready.pop_front();
+            self.lost += 1;
         }
         self.ready.push_back(record);
     }
@@ -163,60 +168,114 @@ impl Simulation {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Waits for the next frame, at most for `timeout`, or without end.
-    fn wait(&self, timeout: Option<std::time::Duration>, own: bool) -> Option<Record> {
+    /// Waits for the next frame, at most for `timeout`, or without end; `own` frames of the program count, too. Returns
+    /// to Python now and then, so that Ctrl-C ends the waiting.
+    fn wait(&self, py: Python<'_>, timeout: Option<StdDuration>, own: bool) -> PyResult<Option<Record>> {
         let begun = Instant::now();
+        let state = self.state();
+        let nanos = |timeout: StdDuration| u64::try_from(timeout.as_nanos()).unwrap_or(u64::MAX);
+        let virtual_end = timeout.map(|timeout| state.bus.now() + Duration(nanos(timeout)));
+        drop(state);
+        loop {
+            let end = Until { timeout, virtual_end, begun, own };
+            match py.detach(|| self.wait_a_while(&end)) {
+                Waited::Frame(record) => return Ok(Some(record)),
+                Waited::TimeIsOver => return Ok(None),
+                Waited::Interrupted => py.check_signals()?,
+            }
+        }
+    }
+
+    /// Waits for the next frame, at most for [`LOOK`].
+    fn wait_a_while(&self, until: &Until) -> Waited {
+        let looks = Instant::now();
         let mut state = self.state();
-        let virtual_end =
-            timeout.map(|timeout| state.bus.now() + Duration(u64::try_from(timeout.as_nanos()).unwrap_or(u64::MAX)));
         loop {
             state.catch_up();
-            while let Some(record) = state.ready.pop_front() {
-                if own || record.direction != Direction::Tx {
-                    return Some(record);
-                }
+            if let Some(record) = state.next_ready(until.own) {
+                return Waited::Frame(record);
             }
-            let next = state.bus.next_time();
-            let pause = if let Some(present) = state.present() {
-                let until_event = next.map(|next| std::time::Duration::from(next.since(present)));
-                let left = timeout.map(|timeout| timeout.saturating_sub(begun.elapsed()));
-                if left.is_some_and(|left| left.is_zero()) {
-                    return None;
-                }
-                until_event.into_iter().chain(left).min()
-            } else {
-                if state.answered.is_some_and(|answered| answered.elapsed() < OWN) {
-                    if timeout.is_some_and(|timeout| begun.elapsed() >= timeout) {
-                        return None;
-                    }
-                    state = self.sent.wait_timeout(state, OWN).unwrap_or_else(PoisonError::into_inner).0;
-                    continue;
-                }
-                state.unasked += 1;
-                if state.unasked > UNASKED {
-                    // A frame that is sent meanwhile ends the pause.
-                    state = self.sent.wait_timeout(state, MOMENT).unwrap_or_else(PoisonError::into_inner).0;
-                }
-                match (virtual_end, next) {
-                    (Some(end), _) => match state.step(end) {
-                        Some(record) => {
-                            state.ready.push_back(record);
-                            continue;
-                        }
-                        None => return None,
-                    },
-                    (None, Some(next)) => {
-                        let record = state.step(next);
-                        state.ready.extend(record);
-                        continue;
-                    }
-                    (None, None) => None,
-                }
+            let pause = match state.present() {
+                Some(present) => until.pause(state.bus.next_time(), present),
+                None => state.advance(until),
             };
-            // Without an event the bus is silent until the program sends; the pause ends now and then, so that Python
-            // notices signals.
-            let pause = pause.unwrap_or(MOMENT * 50).min(MOMENT * 50);
-            state = self.sent.wait_timeout(state, pause).unwrap_or_else(PoisonError::into_inner).0;
+            let Some(pause) = pause else { return Waited::TimeIsOver };
+            if looks.elapsed() >= LOOK {
+                return Waited::Interrupted;
+            }
+            if !pause.is_zero() {
+                // A frame that is sent meanwhile ends the pause.
+                state = self.sent.wait_timeout(state, pause.min(LOOK)).unwrap_or_else(PoisonError::into_inner).0;
+            }
+        }
+    }
+}
+
+/// What `receive` waits for.
+struct Until {
+    timeout: Option<StdDuration>,
+    /// The end of the timeout in virtual time.
+    virtual_end: Option<Timestamp>,
+    begun: Instant,
+    own: bool,
+}
+
+/// The result of waiting.
+enum Waited {
+    Frame(Record),
+    TimeIsOver,
+    /// Nothing yet: Python may have something else to do.
+    Interrupted,
+}
+
+impl Until {
+    /// In real time: how long to wait for the bus's next event. `None` if the timeout is over.
+    fn pause(&self, next: Option<Timestamp>, present: Timestamp) -> Option<StdDuration> {
+        let until_event = next.map(|next| StdDuration::from(next.since(present)));
+        let left = self.timeout.map(|timeout| timeout.saturating_sub(self.begun.elapsed()));
+        if left.is_some_and(|left| left.is_zero()) {
+            return None;
+        }
+        // Without an event the bus is silent until the program sends.
+        Some(until_event.into_iter().chain(left).min().unwrap_or(LOOK))
+    }
+}
+
+impl State {
+    /// The next frame that waits; own frames of the program only if they are wanted.
+    fn next_ready(&mut self, own: bool) -> Option<Record> {
+        while let Some(record) = self.ready.pop_front() {
+            if own || record.direction != Direction::Tx {
+                return Some(record);
+            }
+        }
+        None
+    }
+
+    /// In virtual time: lets the bus run to its next frame, and returns how long to wait before it is looked for.
+    /// `None` if the timeout is over.
+    fn advance(&mut self, until: &Until) -> Option<StdDuration> {
+        if self.answered.is_some_and(|answered| answered.elapsed() < OWN) {
+            let is_over = until.timeout.is_some_and(|timeout| until.begun.elapsed() >= timeout);
+            return (!is_over).then_some(OWN);
+        }
+        self.unasked = self.unasked.saturating_add(1);
+        if self.unasked > UNASKED && self.unasked % 2 == 1 {
+            // The next call goes on.
+            return Some(MOMENT);
+        }
+        match (until.virtual_end, self.bus.next_time()) {
+            (Some(end), _) => {
+                let record = self.step(end)?;
+                self.ready.push_back(record);
+                Some(StdDuration::ZERO)
+            }
+            (None, Some(next)) => {
+                let record = self.step(next);
+                self.ready.extend(record);
+                Some(StdDuration::ZERO)
+            }
+            (None, None) => Some(LOOK),
         }
     }
 }
@@ -231,11 +290,11 @@ fn raw<'py>(py: Python<'py>, record: &Record) -> Raw<'py> {
     (seconds, id.raw(), id.is_extended(), frame.is_remote(), frame.len(), data, is_rx)
 }
 
-/// A timeout in seconds; a very long one has no end.
-fn span(timeout: Option<f64>) -> Option<std::time::Duration> {
+/// A timeout in seconds as a duration. `None`, which waits without end, stands for a timeout of decades, too.
+fn span(timeout: Option<f64>) -> Option<StdDuration> {
     const LONGEST: f64 = 1e9;
     let timeout = timeout.filter(|timeout| *timeout < LONGEST);
-    timeout.map(|timeout| std::time::Duration::from_secs_f64(timeout.max(0.0)))
+    timeout.map(|timeout| StdDuration::from_secs_f64(timeout.max(0.0)))
 }
 
 #[pymethods]
@@ -260,14 +319,19 @@ impl Simulation {
         }
         let mut channels = Channels::new();
         channels.intern(address);
-        let mut state =
-            State { bus, devices, channels, started: None, ready: VecDeque::new(), unasked: 0, answered: None };
-        state.boot();
-        state.started = if real_time {
-            Instant::now().checked_sub(std::time::Duration::from_nanos(state.bus.now().nanos()))
-        } else {
-            None
+        let mut state = State {
+            bus,
+            devices,
+            channels,
+            started: None,
+            ready: VecDeque::new(),
+            lost: 0,
+            unasked: 0,
+            answered: None,
         };
+        state.boot();
+        state.started =
+            if real_time { Instant::now().checked_sub(StdDuration::from_nanos(state.bus.now().nanos())) } else { None };
         Ok(Self { state: Mutex::new(state), sent: Condvar::new() })
     }
 
@@ -290,20 +354,20 @@ impl Simulation {
     /// The next frame that was on the bus, or `None` after `timeout` seconds; without a timeout it waits without end.
     /// Own frames are left out unless `own` is true.
     #[pyo3(signature = (timeout=None, own=false))]
-    fn receive(&self, py: Python<'_>, timeout: Option<f64>, own: bool) -> Option<Frame> {
-        let record = py.detach(|| self.wait(span(timeout), own));
-        record.map(|record| Frame::of(&record, &self.state().channels))
+    fn receive(&self, py: Python<'_>, timeout: Option<f64>, own: bool) -> PyResult<Option<Frame>> {
+        let record = self.wait(py, span(timeout), own)?;
+        Ok(record.map(|record| Frame::of(&record, &self.state().channels)))
     }
 
     /// As `receive`, without an object: time in seconds, CAN-ID, whether it has 29 bits, whether the frame is remote,
     /// its length, its payload, and whether another participant has sent it.
     #[pyo3(signature = (timeout=None, own=false))]
-    fn receive_raw<'py>(&self, py: Python<'py>, timeout: Option<f64>, own: bool) -> Option<Raw<'py>> {
-        py.detach(|| self.wait(span(timeout), own)).map(|record| raw(py, &record))
+    fn receive_raw<'py>(&self, py: Python<'py>, timeout: Option<f64>, own: bool) -> PyResult<Option<Raw<'py>>> {
+        Ok(self.wait(py, span(timeout), own)?.map(|record| raw(py, &record)))
     }
 
-    /// In virtual time: the next frame of another participant within `timeout` seconds, for a sender that takes the
-    /// answers itself. It has the bus for itself for a moment: other threads that receive wait.
+    /// In virtual time: the next frame of another participant within `timeout` seconds. It is for a sender that wants
+    /// the answer at once; other threads that receive wait meanwhile.
     fn answer<'py>(&self, py: Python<'py>, timeout: f64) -> Option<Raw<'py>> {
         let mut state = self.state();
         state.answered = Some(Instant::now());
@@ -325,6 +389,12 @@ impl Simulation {
         let mut state = self.state();
         state.catch_up();
         state.bus.now().nanos() as f64 / 1e9
+    }
+
+    /// Number of frames that were dropped because more than 65 536 waited to be received.
+    #[getter]
+    fn lost(&self) -> u64 {
+        self.state().lost
     }
 
     /// The bit rate in bit/s.
@@ -382,7 +452,7 @@ impl Simulation {
 }
 
 impl Simulation {
-    /// Changes a device, and lets the bus take it up.
+    /// Changes a device; the bus then asks it for frames and timers, which the change may have made.
     fn change(&self, node: Option<u8>, change: impl FnOnce(&mut Device, Timestamp) -> PyResult<()>) -> PyResult<()> {
         let mut state = self.state();
         state.catch_up();

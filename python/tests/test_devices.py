@@ -1,5 +1,7 @@
 """Simulated devices: conformance, fuzzing, python-can and python-canopen."""
 
+import copy
+import pickle
 import socket
 import subprocess
 import sys
@@ -11,6 +13,7 @@ import canopen
 import canvass
 import pytest
 from canvass.bridge import Bridge, line_of, message
+from canvass.results import TestRun
 
 MODEL = "kuebler-sendix-58x8"
 
@@ -93,6 +96,20 @@ def test_a_device_is_changed_while_it_runs():
     assert (MODEL, 63) == (device.model, device.node) and MODEL in dict(canvass.models())
 
 
+def test_ctrl_c_ends_the_wait_for_a_frame():
+    """A silent bus without a timeout, in both kinds of time."""
+    for real_time in (True, False):
+        code = (
+            "import can, signal, threading, os\n"
+            f"bus = can.Bus(interface='canvass', channel='sim:{MODEL}:255', real_time={real_time})\n"
+            "threading.Timer(0.2, os.kill, (os.getpid(), signal.SIGINT)).start()\n"
+            "try:\n    while True: bus.recv()\n"
+            "except KeyboardInterrupt: print('interrupted')\n"
+        )
+        done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, timeout=30)
+        assert done.stdout == "interrupted\n", done.stderr
+
+
 def test_own_messages_and_wrong_frames():
     with can.Bus(interface="canvass", channel=f"sim:{MODEL}", receive_own_messages=True, real_time=False) as bus:
         bus.send(can.Message(arbitration_id=0, data=[1, 63], is_extended_id=False))
@@ -104,14 +121,29 @@ def test_own_messages_and_wrong_frames():
 
 
 def test_conformance_and_fuzzing():
-    good = canvass.test(canvass.Device(MODEL), select="301/boot-up")
-    assert good.passed and good.case("301/boot-up/every-time").passed
+    good = canvass.test(f"sim:{MODEL}", select="301/boot-up")
+    assert good.passed and good.why == "" and good.case("301/boot-up/every-time").passed
     wrong = canvass.test(f"sim:{MODEL}+boot-up-twice", select=["301/boot-up", "301/nmt/back-to-back"])
     assert not wrong.passed and wrong.failures[0].clause.startswith("CiA 301 7.2.8")
     assert "boot-up" in wrong.failures[0].why and "73F" in wrong.failures[0].frames()
     assert canvass.fuzz("sim:reference-301", runs=100, seed=1).passed
+    broken = canvass.fuzz("sim:reference-301+sdo-stray-segment-silent", runs=3000, seed=1)
+    assert not broken.passed and "expected a download segment without its transfer" in broken.why
     with pytest.raises(canvass.CanvassError, match="expected a device description"):
         canvass.test("sim:kuebler-sendix-58x9")
+
+
+def test_an_undecided_device_has_not_passed():
+    """No case fails on a node that does not exist, and the program ends with a status other than 0."""
+    result = canvass.test(f"sim:{MODEL}", node=63, device="reference-301", select="301/sdo/abort", seed=1)
+    assert result.passed == (result.status == 0)
+    decided = TestRun({"cases": [], "cancelled": False, "notices": []}, 0)
+    assert not decided.passed and decided.why == "no case passed"
+    inconclusive = {"id": "301/sdo/x", "verdict": "inconclusive", "reason": "no answer"}
+    undecided = TestRun({"cases": [inconclusive], "cancelled": False, "notices": ["1017h was left changed"]}, 1)
+    assert not undecided.passed
+    assert undecided.why == "inconclusive 301/sdo/x: no answer\n1017h was left changed"
+    assert copy.deepcopy(undecided) == undecided == pickle.loads(pickle.dumps(undecided))
 
 
 def verdicts(result):
@@ -121,9 +153,12 @@ def verdicts(result):
 def test_a_python_can_bus_gives_the_same_verdicts():
     selected = "301/boot-up,301/sdo/abort"
     natively = verdicts(canvass.test(f"sim:{MODEL}", select=selected))
-    with canvass.Device(MODEL).bus() as bus:
-        bridged = verdicts(canvass.test(bus, node=63, device=MODEL, select=selected))
-    assert bridged == natively and "pass" in natively.values()
+    device = canvass.Device(MODEL)
+    bridged = canvass.test(device, node=63, device=MODEL, select=selected)
+    assert bridged.bus.startswith("slcan:tcp://127.0.0.1:"), "it is this device that was tested"
+    assert verdicts(bridged) == natively and "pass" in natively.values()
+    with pytest.raises(ValueError, match="virtual time"):
+        canvass.test(canvass.Device(MODEL, real_time=False), node=63)
 
 
 def pump(source, sink, ended):

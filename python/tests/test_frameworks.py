@@ -86,6 +86,9 @@ A Capture Is Diagnosed
 The Encoder Withstands
     Use Device    sim:reference-301    10
     Device Should Withstand Fuzzing    seconds=0.3
+A Firmware With A Fault Does Not
+    Use Device    sim:reference-301+sdo-stray-segment-silent    10
+    Run Keyword And Expect Error    *expected a download segment without its transfer*    Device Should Withstand Fuzzing    seconds=2
 """
 
 
@@ -94,7 +97,7 @@ def test_robot_framework(tmp_path, commissioning):
     suite.write_text(SUITE.replace("{capture}", str(commissioning)))
     done = subprocess.run([sys.executable, "-m", "robot", "--outputdir", tmp_path, suite], capture_output=True, text=True)
     assert done.returncode == 0, done.stdout + done.stderr
-    assert "5 tests, 5 passed, 0 failed" in done.stdout
+    assert "6 tests, 6 passed, 0 failed" in done.stdout
 
 
 def test_the_keywords_are_documented(tmp_path):
