@@ -1,5 +1,6 @@
 //! The adapter between this computer and a bus, as far as the operating system tells.
 
+use canvass_bus::network::Carrier;
 use canvass_bus::pcan::Channel;
 use canvass_device::address::BusAddress;
 use std::path::{Path, PathBuf};
@@ -24,6 +25,11 @@ pub fn of(address: &str) -> String {
             _ => "SLCAN".to_owned(),
         },
         Ok(BusAddress::Python { interface, .. }) => format!("python-can, {interface}"),
+        Ok(BusAddress::Network(address)) => match address.carrier {
+            Carrier::Socketcand { .. } => "socketcand".to_owned(),
+            Carrier::CannelloniTcp { .. } | Carrier::CannelloniUdp { .. } => "cannelloni".to_owned(),
+            Carrier::Multicast { .. } => "python-can, udp_multicast".to_owned(),
+        },
         Ok(BusAddress::Pcan(opening)) => pcan(opening.channel),
         Err(_) => "unknown".to_owned(),
     }

@@ -1,6 +1,7 @@
 //! The bus of a test, and the tester's side of the protocols. A case can't distinguish a live and a simulated bus.
 //!
-//! - [`Bus`]: the interface of every bus; [`SimulatedBus`], [`socketcan`], [`slcan`] and [`pcan`] are buses;
+//! - [`Bus`]: the interface of every bus; [`SimulatedBus`], [`socketcan`], [`slcan`], [`pcan`] and [`network`] are
+//!   buses;
 //! - [`PatientBus`]: a bus that waits while it is interrupted;
 //! - [`Machine`]: a participant of a bus without I/O and clock; [`participate`] connects a machine to a live bus;
 //! - [`client`]: the state machines of an SDO client and an LSS master;
@@ -12,10 +13,12 @@
 
 pub mod client;
 mod clock;
+mod connection;
 mod hardware_clock;
 mod health;
 mod inbox;
 mod machine;
+pub mod network;
 pub mod observation;
 mod participant;
 mod patient;
@@ -160,6 +163,9 @@ pub enum BusError {
     /// The SLCAN adapter does not work.
     #[error(transparent)]
     SlCan(#[from] slcan::SlCanError),
+    /// The bus over a network does not work.
+    #[error(transparent)]
+    Network(#[from] network::NetworkError),
     /// The adapter of PEAK does not work.
     #[error(transparent)]
     Pcan(#[from] pcan::PcanError),
@@ -189,6 +195,7 @@ impl BusError {
                 matches!(error, slcan::SlCanError::NotConnected { .. } | slcan::SlCanError::Nobody { .. })
             }
             Self::Pcan(error) => matches!(error, pcan::PcanError::Failed { .. } | pcan::PcanError::QueueFull { .. }),
+            Self::Network(error) => matches!(error, network::NetworkError::NotConnected { .. }),
             Self::Interrupted { .. } => true,
             _ => false,
         }

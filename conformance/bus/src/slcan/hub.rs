@@ -1,11 +1,11 @@
 //! The adapter's end of SLCAN over TCP: programs connect to it, and form one bus with this program and each other.
 
-use super::arrival::Arrivals;
 use super::codec::{Decoder, Message, write_frame};
-use super::link::{self, LOOK, Link};
-use super::way::Way;
 use super::{SlCanError, frame_line};
 use crate::clock::SteadyClock;
+use crate::connection::arrival::Arrivals;
+use crate::connection::link::{self, LOOK, Link};
+use crate::connection::way::Way;
 use crate::inbox::Inbox;
 use crate::{Bus, BusError, Health};
 use canvass_traces::{ChannelId, Direction, Frame, Record, Timestamp};
@@ -63,7 +63,7 @@ fn accept(shared: &Arc<Shared>, listener: &TcpListener) {
         match link::accept(listener) {
             Ok(Some(link)) if threads.len() < MOST => threads.extend(serve(shared, link)),
             // The program finds its connection closed.
-            Ok(Some(_)) => shared.note(format!("a program was refused: {MOST} programs are connected")),
+            Ok(Some(_)) => shared.note(&format!("a program was refused: {MOST} programs are connected")),
             Ok(None) | Err(_) => std::thread::sleep(LOOK),
         }
     }
@@ -89,7 +89,7 @@ fn serve(shared: &Arc<Shared>, link: Link) -> Option<JoinHandle<()>> {
             Some(thread)
         }
         Err(error) => {
-            shared.note(format!("a program was refused: {error}"));
+            shared.note(&format!("a program was refused: {error}"));
             None
         }
     }
@@ -101,7 +101,7 @@ impl Shared {
     }
 
     /// Notes trouble that does not interrupt the bus.
-    fn note(&self, trouble: String) {
+    fn note(&self, trouble: &str) {
         self.inbox.note(|health| health.trouble = Some(format!("{}: {trouble}", self.name)));
     }
 

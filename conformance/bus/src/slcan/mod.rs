@@ -2,32 +2,29 @@
 //!
 //! Both ends are implemented: [`SlCan`] uses an adapter, [`SlCanHub`] is one, for any number of other programs.
 
-mod arrival;
 mod codec;
 mod hub;
-mod link;
 pub mod python;
 mod reader;
 mod stamps;
-mod way;
 
+#[cfg(windows)]
+pub use crate::connection::link::ports;
 pub use codec::{BIT_RATES, Command, Decoder, Message, MinuteClock, Status, write_frame};
 pub use hub::SlCanHub;
-#[cfg(windows)]
-pub use link::ports;
 
 use super::clock::SteadyClock;
 use super::inbox::Inbox;
 use super::{Bus, BusError, Health};
+use crate::connection::link::Place;
+use crate::connection::way::Way;
 use canvass_traces::{ChannelId, Direction, Frame, Record, Timestamp};
-use link::Place;
 use reader::Reader;
 use std::io;
 use std::sync::mpsc::{Sender, channel};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
-use way::Way;
 
 /// An SLCAN adapter.
 pub struct SlCan {

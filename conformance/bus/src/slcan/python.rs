@@ -84,7 +84,7 @@ impl Drop for Bridge {
             if matches!(self.process.try_wait(), Ok(Some(_)) | Err(_)) {
                 return;
             }
-            std::thread::sleep(super::link::LOOK);
+            std::thread::sleep(crate::connection::link::LOOK);
         }
         let _ = self.process.kill();
         let _ = self.process.wait();

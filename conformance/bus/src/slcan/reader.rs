@@ -1,10 +1,11 @@
 //! The thread that reads from the adapter, and reopens it after it was unplugged.
 
-use super::arrival::Arrivals;
 use super::codec::{Command, Decoder, Message, MinuteClock, Status};
-use super::link::{Link, Place, is_silence};
 use super::stamps::{StampCheck, StampWatch};
 use super::{Change, Shared, SlCanError};
+use crate::connection::RETRY;
+use crate::connection::arrival::Arrivals;
+use crate::connection::link::{Link, Place, is_silence};
 use crate::hardware_clock::HardwareClock;
 use canvass_traces::{ChannelId, Direction, Record, Timestamp};
 use std::io::{self, Read};
@@ -17,9 +18,6 @@ const PATIENCE: Duration = Duration::from_millis(300);
 /// Timeout of an answer once a command was answered. It is long because a late answer would be taken for the answer to
 /// the next command.
 const ANSWER: Duration = Duration::from_secs(2);
-
-/// Interval between two attempts to reopen a lost adapter.
-const RETRY: Duration = Duration::from_millis(200);
 
 /// Interval between two queries of the status flags.
 const STATUS: Duration = Duration::from_secs(1);

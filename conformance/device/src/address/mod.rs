@@ -10,6 +10,10 @@
 //! pcan:PCAN_USBBUS1@BITRATE         an adapter of PEAK, through PEAK's library
 //! pcan:CHANNEL@BITRATE+listen-only  an adapter of PEAK that neither sends nor acknowledges
 //! python:INTERFACE:CHANNEL[@BITRATE]   a bus of python-can, such as python:kvaser:0@250k
+//! socketcand://HOST[:PORT]/can0     an interface of a machine that runs socketcand
+//! cannelloni:tcp://HOST[:PORT]      a machine that runs cannelloni as a server
+//! cannelloni:udp://HOST[:PORT][+LOCALPORT]   the same by datagrams
+//! udp://GROUP[:PORT]                python-can's udp_multicast
 //! sim:MODEL[@BITRATE][+FAULT...]    a simulated bus with a simulated device
 //! sim:MODEL[:NODE][@BITRATE][~MOTION][~~LIBERTY...][+FAULT...][+MODEL...]    the full form, also
 //!                                   with several devices
@@ -26,6 +30,7 @@ pub use simulated::{Attached, DeviceName, GivenNode, SimulatedDevice};
 use crate::Device;
 use crate::models::Model;
 use canvass_analyzer::NodeId;
+use canvass_bus::network::{Carrier, NetworkAddress};
 use canvass_bus::pcan::Opening;
 use canvass_bus::{Bus, BusError, SimulatedBus};
 use canvass_traces::Timestamp;
@@ -56,6 +61,8 @@ pub enum BusAddress {
         /// The bit rate in bit/s, if the address gives one.
         bit_rate: Option<u32>,
     },
+    /// A bus over a network.
+    Network(NetworkAddress),
     /// An adapter of PEAK.
     Pcan(Opening),
     /// A simulated bus with these devices: at least one.
@@ -122,6 +129,10 @@ pub fn open_seeded_at(address: &str, seed: u64, node: Option<NodeId>) -> Result<
         }
         BusAddress::Python { interface, channel, bit_rate } => {
             let bus = Box::new(canvass_bus::slcan::python::open(&interface, &channel, bit_rate)?);
+            Ok(Opened { bus, model: None, devices: Vec::new() })
+        }
+        BusAddress::Network(address) => {
+            let bus = Box::new(canvass_bus::network::NetworkBus::open(&address)?);
             Ok(Opened { bus, model: None, devices: Vec::new() })
         }
         #[cfg(any(windows, target_os = "linux"))]
@@ -193,10 +204,14 @@ impl FromStr for BusAddress {
             Some(("pcan", rest)) => pcan(rest),
             Some(("python", rest)) => python(rest),
             Some(("socketcan", interface)) => socketcan(interface),
+            Some(("socketcand", rest)) => network(rest, |text| Carrier::socketcand(behind_slashes(text))),
+            Some(("cannelloni", rest)) => network(rest, Carrier::cannelloni),
+            Some(("udp", rest)) => network(rest, |text| Carrier::multicast(behind_slashes(text))),
             None => socketcan(address),
             Some((kind, _)) => Err(format!(
                 "expected socketcan:INTERFACE, slcan:PORT[@BITRATE], pcan:CHANNEL@BITRATE, \
-                 python:INTERFACE:CHANNEL[@BITRATE] or sim:MODEL[@BITRATE][+FAULT...], found \"{kind}:\""
+                 python:INTERFACE:CHANNEL[@BITRATE], socketcand://HOST/INTERFACE, cannelloni:tcp://HOST, \
+                 cannelloni:udp://HOST, udp://GROUP or sim:MODEL[@BITRATE][+FAULT...], found \"{kind}:\""
             )),
         };
         parsed.map_err(|reason| BusError::Address { address: address.to_owned(), reason })
@@ -213,6 +228,19 @@ fn python(text: &str) -> Result<BusAddress, String> {
     let (interface, channel) =
         parts.ok_or_else(|| format!("expected python:INTERFACE:CHANNEL[@BITRATE], found \"python:{text}\""))?;
     Ok(BusAddress::Python { interface: interface.to_owned(), channel: channel.to_owned(), bit_rate })
+}
+
+/// An address over a network, with `@BITRATE` behind it or without.
+fn network(text: &str, parse: fn(&str) -> Result<Carrier, String>) -> Result<BusAddress, String> {
+    let (text, bit_rate) = match text.rsplit_once('@') {
+        Some((text, rate)) => (text, Some(parse_bit_rate(rate)?)),
+        None => (text, None),
+    };
+    Ok(BusAddress::Network(NetworkAddress { carrier: parse(text)?, bit_rate }))
+}
+
+fn behind_slashes(text: &str) -> &str {
+    text.strip_prefix("//").unwrap_or(text)
 }
 
 fn socketcan(interface: &str) -> Result<BusAddress, String> {
@@ -282,6 +310,18 @@ mod tests {
             channel, bit_rate: 250_000, listen_only: false })) if channel.to_string() == "PCAN_USBBUS1"));
         assert!(matches!("pcan:usbbus2@1M+listen-only".parse(), Ok(BusAddress::Pcan(Opening {
             channel, bit_rate: 1_000_000, listen_only: true })) if channel.to_string() == "PCAN_USBBUS2"));
+        assert!(matches!(
+            "socketcand://pi/can0@250k".parse(),
+            Ok(BusAddress::Network(NetworkAddress { carrier: Carrier::Socketcand { .. }, bit_rate: Some(250_000) }))
+        ));
+        assert!(matches!(
+            "cannelloni:udp://pi".parse(),
+            Ok(BusAddress::Network(NetworkAddress { carrier: Carrier::CannelloniUdp { .. }, bit_rate: None }))
+        ));
+        assert!(matches!(
+            "udp://239.74.163.2@1M".parse(),
+            Ok(BusAddress::Network(NetworkAddress { carrier: Carrier::Multicast { .. }, bit_rate: Some(1_000_000) }))
+        ));
         assert!(matches!("sim:kuebler-sendix-58x8@1M+boot-up-twice".parse(),
             Ok(BusAddress::Simulated(devices)) if devices[0].bit_rate == Some(1_000_000)));
     }

@@ -9,7 +9,7 @@ use canvass_traces::{Duration, Timestamp};
 const AT_ONCE: Duration = Duration::from_micros(100);
 
 /// The times at which one reading thread reads.
-pub(super) struct Arrivals {
+pub struct Arrivals {
     wait: ProcessorWait,
     /// The wait since the read before.
     away: Duration,
@@ -17,7 +17,7 @@ pub(super) struct Arrivals {
 
 /// The arrival of the messages of one read.
 #[derive(Clone, Copy)]
-pub(super) struct Arrival {
+pub struct Arrival {
     /// The time at which the read ended.
     pub now: Timestamp,
     late: Late,

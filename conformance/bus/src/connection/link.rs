@@ -1,12 +1,12 @@
-//! The connection to an adapter: a serial port, or TCP in either direction.
+//! The connection to an adapter or program: a serial port, TCP in either direction, or UDP.
 
 use std::io::{self, Read, Write};
-use std::net::{Ipv4Addr, TcpListener, TcpStream, ToSocketAddrs};
+use std::net::{Ipv4Addr, TcpListener, TcpStream, ToSocketAddrs, UdpSocket};
 use std::time::Duration;
 
 /// The place of an adapter.
 #[derive(Debug)]
-pub(super) enum Place {
+pub enum Place {
     /// The path of a serial port.
     Serial(String),
     /// TCP: `host:port`.
@@ -14,13 +14,13 @@ pub(super) enum Place {
 }
 
 /// The two directions of an open connection.
-pub(super) struct Link {
+pub struct Link {
     pub reader: Box<dyn Read + Send>,
     pub writer: Box<dyn Write + Send>,
 }
 
 /// Maximum wait of a read, after which the thread checks whether it must end.
-pub(super) const LOOK: Duration = Duration::from_millis(20);
+pub const LOOK: Duration = Duration::from_millis(20);
 const CONNECT: Duration = Duration::from_secs(3);
 const WRITE: Duration = Duration::from_secs(2);
 /// Maximum wait for one of several programs to take a frame. All others wait meanwhile. A program has come to this only
@@ -43,24 +43,55 @@ impl Place {
     pub fn open(&self) -> io::Result<Link> {
         match self {
             Self::Serial(path) => serial(path),
-            Self::Tcp(address) => {
-                let addresses = address.to_socket_addrs()?;
-                let mut failure = io::Error::new(io::ErrorKind::NotFound, "the name has no address");
-                for address in addresses {
-                    match TcpStream::connect_timeout(&address, CONNECT) {
-                        Ok(stream) => return tcp(stream, WRITE),
-                        Err(error) => failure = error,
-                    }
-                }
-                Err(failure)
-            }
+            Self::Tcp(address) => connect(address),
         }
+    }
+}
+
+/// Opens a TCP connection to `host:port`.
+pub fn connect(address: &str) -> io::Result<Link> {
+    let mut failure = io::Error::new(io::ErrorKind::NotFound, "the name has no address");
+    for address in address.to_socket_addrs()? {
+        match TcpStream::connect_timeout(&address, CONNECT) {
+            Ok(stream) => return tcp(stream, WRITE),
+            Err(error) => failure = error,
+        }
+    }
+    Err(failure)
+}
+
+/// The two directions of UDP sockets: a read is one datagram, and so is a write.
+pub fn datagrams(reader: UdpSocket, writer: UdpSocket) -> io::Result<Link> {
+    reader.set_read_timeout(Some(LOOK))?;
+    writer.set_write_timeout(Some(WRITE))?;
+    Ok(Link { reader: Box::new(Datagrams(reader)), writer: Box::new(Datagrams(writer)) })
+}
+
+struct Datagrams(UdpSocket);
+
+impl Read for Datagrams {
+    fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
+        // No bytes would mean the end of a stream.
+        match self.0.recv(buffer)? {
+            0 => Err(io::ErrorKind::Interrupted.into()),
+            length => Ok(length),
+        }
+    }
+}
+
+impl Write for Datagrams {
+    fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
+        self.0.send(bytes)
+    }
+
+    fn flush(&mut self) -> io::Result<()> {
+        Ok(())
     }
 }
 
 /// Listens at `host:port`, or at `port` for programs on this machine. A program controls the bus without a password, so
 /// other machines can connect only if the address names a host.
-pub(super) fn listen(address: &str) -> io::Result<TcpListener> {
+pub fn listen(address: &str) -> io::Result<TcpListener> {
     let listener = match address.strip_prefix(':').unwrap_or(address).parse::<u16>() {
         Ok(port) => TcpListener::bind((Ipv4Addr::LOCALHOST, port))?,
         Err(_) => TcpListener::bind(address)?,
@@ -70,7 +101,7 @@ pub(super) fn listen(address: &str) -> io::Result<TcpListener> {
 }
 
 /// The next connection; `None` if no program has connected.
-pub(super) fn accept(listener: &TcpListener) -> io::Result<Option<Link>> {
+pub fn accept(listener: &TcpListener) -> io::Result<Option<Link>> {
     match listener.accept() {
         Ok((stream, _)) => {
             stream.set_nonblocking(false)?;
@@ -137,7 +168,7 @@ fn serial(_: &str) -> io::Result<Link> {
 }
 
 /// Whether the error only means that a read timed out.
-pub(super) fn is_silence(error: &io::Error) -> bool {
+pub fn is_silence(error: &io::Error) -> bool {
     matches!(error.kind(), io::ErrorKind::TimedOut | io::ErrorKind::WouldBlock | io::ErrorKind::Interrupted)
 }
 

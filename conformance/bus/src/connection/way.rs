@@ -5,7 +5,7 @@ use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// The connection to an adapter.
 #[derive(Default)]
-pub(super) struct Way(Mutex<State>);
+pub struct Way(Mutex<State>);
 
 type Writer = Box<dyn Write + Send>;
 
