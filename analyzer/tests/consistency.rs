@@ -23,7 +23,6 @@ fn problems(description: &DeviceDescription) -> Vec<String> {
 fn what_the_manual_of_the_sendix_has_otherwise_than_the_standards() {
     let description = eds::read(SENDIX.as_bytes()).unwrap();
     let expected = [
-        "[1014] AccessType: ro instead of rw",
         "[1015] DataType: UNSIGNED32 instead of UNSIGNED16",
         "[6401sub1] DataType: UNSIGNED32 instead of INTEGER32",
         "[6401sub2] DataType: UNSIGNED32 instead of INTEGER32",

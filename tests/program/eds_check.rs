@@ -31,12 +31,35 @@ fn a_finding_is_drawn_with_its_line_and_what_to_do() {
     let expected = format!(
         "warning[eds/list/count]: the count of a list is not the number of its entries\n  --> {path}:40:18\n   |\n\
          40 | SupportedObjects=7\n   |                  ^ expected the number of entries, found \"2 entries\"\n   |\n   \
-         = help: can be fixed automatically: write 2\n\n1 file: no errors, 1 warning, no hints\n\
+         = note: in [MandatoryObjects]\n   = help: can be fixed automatically: write 2\n\n1 file: no errors, 1 warning, no hints\n\
          1 can be fixed with --fix; --diff shows what would change\n"
     );
     assert_eq!(shown.stdout, expected);
     let plain = run(&["eds", "check", &path, "--ignore", "eds/list,eds/device,eds/pdo", "--fail-on", "warning"]);
     assert_eq!(plain.status, 0, "{}", plain.stdout);
+}
+
+/// A file with many hints of several rules: three lines by default, and all of them where they are asked for.
+#[test]
+fn hints_are_counted() {
+    let unknown = (1..9).map(|n| format!("Colour{n}=red\n")).collect::<String>();
+    let (_folder, path) = folder(
+        "ParameterName=Setting",
+        &format!("{unknown}ParameterName=\"Setting\"\nObjFlags=8\nDefaultValue=5 ; five\nPDOMapping=1"),
+    );
+    let told = run(&["eds", "check", &path]).stdout;
+    let hints: Vec<&str> = told.lines().filter(|line| line.starts_with("hint")).collect();
+    assert_eq!(hints.len(), 3, "{told}");
+    assert!(
+        hints[0].starts_with("hint[eds/field/unknown]: 8 × a field is not defined") && hints[0].contains(", …)"),
+        "{told}"
+    );
+    assert!(hints[2].starts_with("hint: ") && hints[2].contains(" other rules"), "{told}");
+    assert!(told.contains("\n--hints shows each hint with its line\n"), "{told}");
+    let count = |args: &[&str]| run(args).stdout.lines().filter(|line| line.starts_with("hint[")).count();
+    assert_eq!(count(&["eds", "check", &path, "--select", "eds/field/unknown"]), 8);
+    let all = count(&["eds", "check", &path, "--hints"]);
+    assert!(all > 10 && all == count(&["eds", "check", &path, "--fail-on", "hint"]), "{told}");
 }
 
 #[test]
@@ -45,7 +68,7 @@ fn what_is_hostile_in_a_file_does_not_act() {
     let (_folder, path) = folder("ParameterName=Setting", hostile);
     for format in ["text", "json", "sarif", "junit", "markdown", "github"] {
         for color in ["always", "never"] {
-            let shown = run(&["--color", color, "eds", "check", &path, "--format", format]);
+            let shown = run(&["--color", color, "eds", "check", &path, "--hints", "--format", format]);
             assert!(
                 shown.stdout.contains("eds/text/control-character") || format == "junit",
                 "{format}: {}",

@@ -4,6 +4,7 @@ use super::object::{Entry, Setting};
 use super::place::Place;
 use super::problem::Problems;
 use super::rules;
+use super::value::Value;
 
 /// The names of the limits' fields in one format of descriptions.
 pub(super) struct Names {
@@ -13,9 +14,10 @@ pub(super) struct Names {
     pub configured: &'static str,
 }
 
-/// Checks a parsed entry. `is_all_ones`: the high limit is written in hexadecimal, with all bits set.
+/// Checks a parsed entry. `is_all_ones`: the high limit is written in hexadecimal, with all bits set; in a signed type the
+/// highest number takes its place.
 pub(super) fn check<'a>(
-    entry: &Entry,
+    entry: &mut Entry,
     names: &Names,
     is_all_ones: bool,
     place: impl Fn(&'static str) -> Place<'a>,
@@ -29,6 +31,9 @@ pub(super) fn check<'a>(
         Some(high) if is_wrapped(&high) => {
             let expected = "the highest number of the signed data type, such as 0x7F";
             problems.report(place(names.high), &rules::number::WRAPPED, expected, "all bits set, which is -1");
+            let highest = entry.data_type.bits().and_then(|bits| 1_u64.checked_shl(bits - 1)).map(|bound| bound - 1);
+            entry.high_limit =
+                highest.and_then(|highest| Value::from_raw(entry.data_type, highest)).map(Setting::Fixed);
             None
         }
         high => high,

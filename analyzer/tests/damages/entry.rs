@@ -7,6 +7,7 @@ use crate::field::fields;
 
 pub const DAMAGES: &[(&str, Damage)] = &[
     ("eds/entry/object-type", Lines(object_type)),
+    ("eds/entry/sub-object-type", Lines(sub_object_type)),
     ("eds/entry/subs-of-var", Lines(subs_of_var)),
     ("eds/entry/data-type", Lines(data_type)),
     ("eds/entry/access", Lines(access)),
@@ -39,6 +40,12 @@ fn containers(eds: &Eds) -> Vec<(u16, usize, u64)> {
     let with_code = |(index, header)| Some((index, header, eds.number_of(header, "ObjectType")?));
     let objects = eds.objects().into_iter().filter_map(with_code);
     objects.filter(|&(index, _, code)| matches!(code, 8 | 9) && !eds.subs(index).is_empty()).collect()
+}
+
+fn sub_object_type(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
+    let (index, ..) = dice.pick(&containers(eds))?;
+    let (_, header) = dice.pick(&eds.subs(index))?;
+    Some(Place::Line(eds.put(header, "ObjectType", dice.of(&["0x8", "0x9", "0x2"]))))
 }
 
 fn subs_of_var(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {

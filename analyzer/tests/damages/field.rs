@@ -8,6 +8,8 @@ pub const DAMAGES: &[(&str, Damage)] = &[
     ("eds/field/twice", Lines(twice)),
     ("eds/field/repeated", Lines(repeated)),
     ("eds/field/unknown", Lines(unknown)),
+    ("eds/field/blanks", Lines(blanks)),
+    ("eds/field/configured", Lines(configured)),
     ("eds/field/name-missing", Lines(name_missing)),
     ("eds/field/name-quoted", Lines(name_quoted)),
     ("eds/field/name-too-long", Lines(name_long)),
@@ -66,6 +68,33 @@ fn unknown(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     let header = dice.pick(&headers)?;
     let at = dice.between(header as u64 + 1, eds.last(header) as u64) as usize;
     eds.lines.insert(at, format!("{}=1", dice.word()));
+    Some(Place::Line(at))
+}
+
+/// Divides the name of a field into words.
+fn blanks(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
+    let names =
+        [("SupportedObjects", "Supported Objects"), ("ParameterName", "Parameter Name"), ("DataType", "Data Type")];
+    let (name, divided) = dice.of(&names);
+    let line = dice.pick(&fields(eds, &[name]))?;
+    eds.lines[line] = format!("{divided}={}", eds.value(line));
+    Some(Place::Line(line))
+}
+
+/// Gives an entry of an EDS a configured value.
+fn configured(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
+    if eds.header("DeviceComissioning").is_some() {
+        return None;
+    }
+    let is_number = |&line: &usize| {
+        let header = header_of(eds, line);
+        eds.number_of(header, "DataType").is_some_and(|data_type| (1..=7).contains(&data_type))
+            && eds.number_of(header, "CompactSubObj").is_none()
+    };
+    let lines: Vec<usize> = fields(eds, &["AccessType"]).into_iter().filter(is_number).collect();
+    let line = dice.pick(&lines)?;
+    let at = line + 1;
+    eds.lines.insert(at, "ParameterValue=1".to_owned());
     Some(Place::Line(at))
 }
 

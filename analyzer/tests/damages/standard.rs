@@ -84,13 +84,18 @@ fn access(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
 }
 
 fn access_less(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
-    let (entries, less) = (entries(eds, &["rw"]), dice.of(&["ro", "const"]));
+    let (mut entries, less) = (entries(eds, &["rw"]), dice.of(&["ro", "const"]));
+    // The standard allows most others to be fixed.
+    entries.retain(|entry| matches!(entry.index, 0x1006 | 0x1007 | 0x1010..=0x1012 | 0x1015..=0x1017 | 0x1020));
     put(eds, &entries, dice, "AccessType", less)
 }
 
 fn mapping(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     let mut entries: Vec<Entry> = eds.entries();
-    entries.retain(|entry| matches!(entry.index, 0x1000..=0x1EFF) && !matches!(entry.index, 0x1001 | 0x1002 | 0x1013));
+    entries.retain(|entry| {
+        matches!(entry.index, 0x1000..=0x1EFF)
+            && !matches!(entry.index, 0x1001 | 0x1002 | 0x1013 | 0x1026 | 0x1200..=0x12FF)
+    });
     put(eds, &entries, dice, "PDOMapping", "1")
 }
 

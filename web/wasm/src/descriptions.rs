@@ -88,6 +88,6 @@ impl Described {
     pub fn findings_text(&self) -> String {
         let Ok(checked) = check(&self.bytes, Some(&self.name)) else { return String::new() };
         let file = CheckedFile::new(&self.name, &checked, |_| true);
-        text::render(&file, &checked.source, text::Style { colors: false, width: 100 })
+        text::render(&file, &checked.source, text::Style { colors: false, width: 100 }, text::Hints::Each)
     }
 }

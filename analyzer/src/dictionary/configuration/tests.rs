@@ -82,7 +82,7 @@ fn what_moves_a_machine_is_no_setting() {
     assert_eq!([0x6040, 0x687A, 0x60FE, 0x6081].map(acts), [true, true, true, false]);
     // An output module: 2001h is in RPDO 1, 2002h is not, and the second entry of the mapping is not counted.
     let module = format!(
-        "{}{}{}[1600]\nParameterName=m\nObjectType=9\nSubNumber=3\n[1600sub0]\nParameterName=n\nDataType=5\n\
+        "[DeviceComissioning]\nNodeID=5\n{}{}{}[1600]\nParameterName=m\nObjectType=9\nSubNumber=3\n[1600sub0]\nParameterName=n\nDataType=5\n\
          AccessType=rw\nParameterValue=1\n{}{}",
         entry("1000", "DefaultValue=0x00020191"),
         entry("2001", ""),

@@ -3,7 +3,7 @@
 use super::Check;
 use crate::dictionary::place::Place;
 use crate::dictionary::rules::{Rule, standard as rules};
-use crate::identity::{Index, Multiplexer};
+use crate::identity::{Index, Multiplexer, SubIndex};
 use crate::object;
 use std::ops::RangeInclusive;
 
@@ -38,7 +38,9 @@ const fn allowed(first: u16, last: u16, subs: RangeInclusive<u8>, values: &'stat
     Allowed { indexes: (first, last), subs, values }
 }
 
-const RANGES: [Allowed; 8] = [
+const RANGES: [Allowed; 9] = [
+    // The first SDO server has no node-ID of a client.
+    allowed(object::SDO_SERVER_PARAMETER, object::SDO_SERVER_PARAMETER, 0..=0, &[2..=2]),
     allowed(object::CONSUMER_HEARTBEAT_TIME, object::CONSUMER_HEARTBEAT_TIME, 1..=127, &[0..=0x00FF_FFFF]),
     allowed(object::SYNCHRONOUS_COUNTER_OVERFLOW, object::SYNCHRONOUS_COUNTER_OVERFLOW, 0..=0, &[0..=240]),
     allowed(object::ERROR_BEHAVIOR, object::ERROR_BEHAVIOR, 1..=1, &[0..=2]),
@@ -65,7 +67,26 @@ pub(super) fn check(check: &mut Check<'_>) {
             check.report(Multiplexer::new(index, 0), "", &rules::COMPANION, "the object that it belongs to", &found);
         }
     }
+    synchronous_pdos(check);
     ranges(check);
+}
+
+/// SYNC is mandatory for synchronous PDOs; one PDO is reported.
+fn synchronous_pdos(check: &mut Check<'_>) {
+    if check.object(Index(object::COB_ID_SYNC)).is_some() {
+        return;
+    }
+    let parameters = [object::RPDO_COMMUNICATION_PARAMETER, object::TPDO_COMMUNICATION_PARAMETER];
+    let of = |first: u16| {
+        check.objects(first, first + 0x1FF).map(|object| Multiplexer { index: object.index, sub: SubIndex(2) })
+    };
+    let pdos: Vec<Multiplexer> = parameters.into_iter().flat_map(of).collect();
+    // Up to 240 a SYNC sends the PDO or makes it take effect; 252 is for remote requests, answered after a SYNC.
+    let is_synchronous = |at: &Multiplexer| matches!(check.effective_number(*at), Some((0..=240 | 252, _)));
+    if let Some(at) = pdos.into_iter().find(is_synchronous) {
+        let field = check.effective_number(at).map_or("", |(_, field)| field);
+        check.report(at, field, &rules::COMPANION, "1005h (COB-ID SYNC) with synchronous PDOs", "no 1005h");
+    }
 }
 
 fn ranges(check: &mut Check<'_>) {

@@ -89,17 +89,22 @@ impl Mapping<'_> {
         let whole = Multiplexer::new(index, 0);
         // 254 and 255 are multiplex PDOs, with another structure.
         let Some((count @ ..=64, counted)) = check.effective_number(whole) else { return };
-        let mut bits = 0;
+        let (mut bits, mut empty) = (0, 0);
         for sub in 1..=count as u8 {
             let at = Multiplexer::new(index, sub);
             match check.effective_number(at) {
                 None | Some((0, _)) if self.is_compact() => {}
+                Some((0, _)) => empty += 1,
                 Some((mapped, field)) => bits += self.entry(check, at, field, mapped as u32),
                 None => {
                     let expected = "a mapped object as the value, since sub-index 0 counts it";
                     check.report(at, "DefaultValue", &rules::ENTRY_MISSING, expected, "none");
                 }
             }
+        }
+        if empty > 0 {
+            let expected = "mapped objects as the values, since sub-index 0 counts them";
+            check.report(whole, counted, &rules::ENTRY_MISSING, expected, &format!("{empty} empty entries"));
         }
         if bits > 64 {
             check.report(whole, counted, &rules::TOO_LONG, "at most 64 bits in a PDO", &format!("{bits} bits"));

@@ -22,7 +22,7 @@ pub(super) fn expand(object: &mut Object, template: &Entry, count: u8, source: &
         let name = format!("{}{sub}", template.name);
         object.insert(Entry { sub: SubIndex(sub), name, ..template.clone() });
     }
-    let is_dcf = ["DeviceComissioning", "DeviceCommissioning"].iter().any(|name| source.section(name).is_some());
+    let is_dcf = source.is_dcf();
     for (sub, text, _) in beside(object.index, "Name", count, source, problems) {
         if let Some(entry) = object.entry_mut(SubIndex(sub)) {
             entry.name = text.to_owned();

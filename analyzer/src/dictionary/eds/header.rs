@@ -302,4 +302,10 @@ pub(super) fn check_sections(source: &Source<'_>, problems: &mut Problems) {
             problems.report(place, &rules::section::MISSING, "a section of this name", "none");
         }
     }
+    for field in source.sections().flat_map(Section::fields) {
+        if field.known().is_some() && field.name().contains(char::is_whitespace) {
+            let expected = "the name of the field without blanks";
+            problems.report(field.place_of_name(), &rules::field::BLANKS, expected, field.name());
+        }
+    }
 }

@@ -74,10 +74,14 @@ pub(super) fn read(source: &Source<'_>, problems: &mut Problems) -> ObjectDictio
             _ => {}
         }
     }
+    let is_dcf = source.is_dcf();
     let mut left = MOST_ENTRIES;
     let mut objects = Vec::new();
     for (index, parts) in parts {
-        let object = object(index, &parts, source, problems);
+        let mut object = object(index, &parts, source, problems);
+        if !is_dcf {
+            drop_configured(&mut object, &parts, problems);
+        }
         let Some(rest) = left.checked_sub(object.entries().len()) else {
             let expected = "at most 200000 entries; the rest is left out";
             problems.report(Place::line(object.line), &rules::text::TOO_MUCH, expected, &object.index.to_string());
@@ -87,6 +91,20 @@ pub(super) fn read(source: &Source<'_>, problems: &mut Problems) -> ObjectDictio
         objects.push(object);
     }
     objects.into_iter().collect()
+}
+
+/// Removes the configured values of an EDS, which only a DCF has.
+fn drop_configured(object: &mut Object, parts: &Parts<'_>, problems: &mut Problems) {
+    let subs: Vec<SubIndex> = object.entries().iter().map(|entry| entry.sub).collect();
+    for entry in subs {
+        let of_object = object.entry_mut(entry).and_then(|entry| entry.configured.take());
+        let section = parts.subs.get(&entry.0).copied().or(parts.head);
+        if let (Some(value), Some(section)) = (of_object, section) {
+            let place = section.place_of(FieldName::ParameterValue);
+            let expected = "DefaultValue in an EDS, or a section DeviceComissioning, which makes it a DCF";
+            problems.report(place, &rules::field::CONFIGURED, expected, &value.to_string());
+        }
+    }
 }
 
 /// Reports a section name such as `[0x1018]` or `[1018sub01]`, which other tools may not find.
@@ -176,12 +194,18 @@ fn add_subs(object: &mut Object, parts: &Parts<'_>, problems: &mut Problems) {
     for (&sub, &section) in &parts.subs {
         let mut fields = Fields { section, problems };
         fields.check_known(|field| field.known().is_some_and(is_entry_field));
-        object_code(&mut fields);
+        let code = object_code(&mut fields);
         // Many files leave out the name of sub-index 0.
         if sub != 0 || !fields.text(FieldName::ParameterName).is_empty() {
             name(&mut fields);
         }
-        object.insert(entry(&mut fields, sub, DataType(0)));
+        let entry = entry(&mut fields, sub, DataType(0));
+        let is_domain = code == ObjectCode::DOMAIN && entry.data_type == DataType::DOMAIN;
+        if code != ObjectCode::VAR && code.name().is_some() && !is_domain {
+            let expected = "ObjectType 7 (VAR) of a sub-index";
+            fields.report(FieldName::ObjectType, &rules::entry::SUB_OBJECT_TYPE, expected, &code.to_string());
+        }
+        object.insert(entry);
     }
 }
 
@@ -226,7 +250,7 @@ pub(super) fn entry(fields: &mut Fields<'_, '_>, sub: u8, default_type: DataType
         fields.report(FieldName::ObjFlags, &rules::entry::FLAGS, "0, 1, 2 or 3", &entry.flags.0.to_string());
     }
     let is_all_ones = limits::is_all_ones(fields.optional_text(FieldName::HighLimit));
-    limits::check(&entry, &NAMES, is_all_ones, |field| place(fields.section, field), fields.problems);
+    limits::check(&mut entry, &NAMES, is_all_ones, |field| place(fields.section, field), fields.problems);
     entry
 }
 

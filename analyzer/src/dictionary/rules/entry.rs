@@ -15,6 +15,16 @@ rules! {
     /// Write `ObjectType=0x7` for a single value, `0x8` for entries of one data type, `0x9` for entries of several.
     OBJECT_TYPE: Error Value, "eds/entry/object-type", "CiA 301" "7.4.3" Cited;
 
+    /// a sub-index has an ObjectType of its own
+    ///
+    /// A sub-index holds one value: its ObjectType is VAR, or DOMAIN if its data type is DOMAIN. Tools that take the
+    /// text by its word look for sub-indexes of a sub-index.
+    ///
+    /// # What to do
+    ///
+    /// Write `ObjectType=0x7`.
+    SUB_OBJECT_TYPE: Warning Value, "eds/entry/sub-object-type", "CiA 306" Unknown;
+
     /// a VAR has sub-indexes
     ///
     /// An object with sub-indexes is an ARRAY, a RECORD or a DEFSTRUCT. Tools that rely on ObjectType do not find the

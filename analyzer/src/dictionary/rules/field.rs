@@ -32,6 +32,25 @@ rules! {
     /// Correct the name if it is misspelled.
     UNKNOWN: Hint UnknownField, "eds/field/unknown", "CiA 306" Unknown;
 
+    /// a field's name contains blanks
+    ///
+    /// canvass reads `Supported Objects` as `SupportedObjects`. Other tools do not find the field.
+    ///
+    /// # What to do
+    ///
+    /// Remove the blanks from the name.
+    BLANKS: Warning UnknownField, "eds/field/blanks", "CiA 306" Unknown;
+
+    /// an EDS has the value of a configured device
+    ///
+    /// ParameterValue belongs to a DCF, which has the section DeviceComissioning. An EDS describes a type of device, and
+    /// its values are defaults. canvass does not use the value.
+    ///
+    /// # What to do
+    ///
+    /// Write the value as DefaultValue, or make the file a DCF.
+    CONFIGURED: Warning UnknownField, "eds/field/configured", "CiA 306" Unknown;
+
     /// an object or entry has no name
     ///
     /// Without ParameterName a user of a configuration tool sees only a number.

@@ -5,9 +5,10 @@ use super::rules;
 rules! {
     "eds";
 
-    /// a standard object is described as a single value although it has sub-indexes, or vice versa
+    /// a standard object has another object code: a single value in place of sub-indexes, an ARRAY in place of a RECORD
     ///
-    /// Tools that know the standard look for the entries at other sub-indexes.
+    /// Tools that know the standard look for the entries at other sub-indexes. An ARRAY can't hold the data types of a
+    /// RECORD.
     ///
     /// # What to do
     ///
@@ -55,7 +56,8 @@ rules! {
 
     /// an object of the communication profile has PDOMapping=1
     ///
-    /// CiA 301 allows only 1001h, 1002h and 1013h to be mapped into PDOs.
+    /// CiA 301 allows only 1001h, 1002h, 1013h, the streams of 1026h and the COB-IDs of SDO parameters to be mapped into
+    /// PDOs.
     ///
     /// # What to do
     ///
@@ -92,7 +94,7 @@ rules! {
     /// an object is described without another object that it needs
     ///
     /// Restoring (1011h) needs storing (1010h), life guarding needs both 100Ch and 100Dh, the EMCY inhibit time (1015h)
-    /// needs EMCY (1014h), and the window of synchronous PDOs (1007h) and the SYNC counter (1019h) need SYNC (1005h).
+    /// needs EMCY (1014h), and synchronous PDOs, their window (1007h) and the SYNC counter (1019h) need SYNC (1005h).
     ///
     /// # What to do
     ///

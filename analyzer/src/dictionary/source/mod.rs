@@ -173,6 +173,11 @@ impl<'a> Source<'a> {
         self.by_id(*self.tree.by_name.get(&SectionIdentity::of(name).1)?)
     }
 
+    /// Whether the file is a DCF: it has the section of a configured device, in the standard's spelling or the usual one.
+    pub(super) fn is_dcf(&self) -> bool {
+        ["DeviceComissioning", "DeviceCommissioning"].iter().any(|name| self.section(name).is_some())
+    }
+
     fn by_id(&self, id: u32) -> Option<Section<'_>> {
         self.parts(id..id + 1).next()
     }

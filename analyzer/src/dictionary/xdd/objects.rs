@@ -114,7 +114,7 @@ fn entry(sub: u8, element: Section<'_>, parameters: &Parameters<'_>, problems: &
         entry.flags = ObjectFlags(hexadecimal(element, "objFlags", u32::MAX, problems).unwrap_or(0));
     }
     let is_all_ones = limits::is_all_ones(element.attribute(NAMES.high).or(parameter.high));
-    limits::check(&entry, &NAMES, is_all_ones, |attribute| element.place_of_attribute(attribute), problems);
+    limits::check(&mut entry, &NAMES, is_all_ones, |attribute| element.place_of_attribute(attribute), problems);
     entry
 }
 

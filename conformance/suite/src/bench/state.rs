@@ -109,7 +109,7 @@ impl Bench<'_> {
         match self.heartbeats()? {
             Heartbeats::Settable(milliseconds) => self.write(HEARTBEAT_TIME, &milliseconds.to_le_bytes()),
             Heartbeats::Fixed(_) => Ok(()),
-            Heartbeats::None if self.guard()?.is_none() => self.let_guarding_be_answered(),
+            Heartbeats::None if self.guarded_state()?.is_none() => self.let_guarding_be_answered(),
             Heartbeats::None => Ok(()),
         }
     }
@@ -152,10 +152,18 @@ impl Bench<'_> {
         let period = match self.heartbeats()? {
             Heartbeats::Settable(milliseconds) => Duration::from_millis(u64::from(milliseconds)),
             Heartbeats::Fixed(period) => period,
-            Heartbeats::None => return self.guard(),
+            Heartbeats::None => return self.guarded_state(),
         };
         self.drain()?;
         self.wait_for_state(period.times(PERIODS))
+    }
+
+    /// The state by node guarding; `None` also on a bus that carries no remote frames.
+    fn guarded_state(&mut self) -> Result<Option<State>, Stop> {
+        match self.guard() {
+            Err(Stop::NotApplicable(_)) => Ok(None),
+            other => other,
+        }
     }
 
     /// Requests the state by node guarding.
@@ -258,7 +266,7 @@ impl Bench<'_> {
         for at in [GUARD_TIME, LIFE_TIME_FACTOR] {
             product *= self.unjudged(|bench| bench.number_at_last(at))?.unwrap_or_default();
         }
-        Ok(product == 0 && self.guard()? == Some(State::OPERATIONAL))
+        Ok(product == 0 && self.guarded_state()? == Some(State::OPERATIONAL))
     }
 
     /// The state according to the last sign of life within `span`: an error control message, or a PDO, which is sent

@@ -301,8 +301,12 @@ pub const fn is_tpdo(cob_id: u16) -> bool {
     matches!(cob_id & 0x780, 0x180 | 0x280 | 0x380 | 0x480)
 }
 
-/// The stop for a failure of the bus, which is never the device's fault.
+/// The stop for a failure of the bus, which is never the device's fault. Not every bus over a network carries every
+/// frame.
 fn broken(error: &BusError) -> Stop {
+    if let BusError::Unsendable { frame, reason } = error {
+        return Stop::NotApplicable(Reason::new("this bus carries all frames of the case", *reason, frame.to_string()));
+    }
     Stop::Error(Reason::new("the bus works", "frames in and out", error.to_string()))
 }
 
@@ -313,6 +317,37 @@ mod tests {
     use canvass_analyzer::object;
     use canvass_traces::{CanId, ChannelId};
     use std::sync::atomic::AtomicBool;
+
+    /// A bus over a network without remote frames.
+    struct WithoutRemoteFrames;
+
+    impl Bus for WithoutRemoteFrames {
+        fn now(&self) -> Timestamp {
+            Timestamp::ZERO
+        }
+
+        fn send(&mut self, frame: &Frame) -> Result<(), BusError> {
+            Err(BusError::Unsendable { frame: *frame, reason: "only data frames" })
+        }
+
+        fn receive(&mut self, _: Timestamp) -> Result<Option<Record>, BusError> {
+            Ok(None)
+        }
+
+        fn bit_rate(&self) -> Option<u32> {
+            None
+        }
+    }
+
+    #[test]
+    fn a_frame_that_the_bus_cannot_carry_is_no_fault_of_the_device() {
+        let (mut bus, options, cancel) = (WithoutRemoteFrames, Options::default(), AtomicBool::new(false));
+        let target = Target::unknown(NodeId::new(63).unwrap());
+        let mut annotate = |_: &Record| String::new();
+        let mut bench = Bench::new(&mut bus, &target, &options, &mut annotate, &cancel);
+        let stop = bench.guard().unwrap_err();
+        assert!(matches!(&stop, Stop::NotApplicable(_)), "{stop:?}");
+    }
 
     /// A bus that is never silent, and loses every other frame on the way to the tester.
     #[derive(Default)]

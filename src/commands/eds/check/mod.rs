@@ -9,7 +9,7 @@ use crate::status::{Failure, Status};
 use anyhow::{Context, anyhow};
 use canvass_analyzer::dictionary::Severity;
 use canvass_analyzer::dictionary::check::{Checked, Folder, check_in};
-use canvass_reports::descriptions::text::{self, Style};
+use canvass_reports::descriptions::text::{self, Hints, Style};
 use canvass_reports::descriptions::{Baseline, CheckedFile, CheckedFiles, Counts, github, sarif};
 use canvass_reports::document::{Form, Report as _};
 use canvass_reports::escape::Printable;
@@ -44,6 +44,9 @@ pub struct Args {
     /// Known findings: the SARIF of an earlier check. They count as waived, so that only new findings fail
     #[arg(long, value_name = "FILE")]
     baseline: Option<PathBuf>,
+    /// Show each hint with its line; otherwise they are counted by rule, unless --select names their rule
+    #[arg(long)]
+    hints: bool,
     #[command(flatten)]
     selection: Selection,
 }
@@ -161,15 +164,21 @@ impl Args {
                 return Ok(None);
             }
         } else if self.format == CheckFormat::Text {
-            let text = text::render(&file, &checked.source, style);
+            let text = text::render(&file, &checked.source, style, self.hints());
             unless_closed(output.append(|buffer| buffer.extend_from_slice(text.as_bytes())))?;
         }
         Ok(Some(file))
     }
 
+    /// Hints are shown where they are asked for, and where they make the check fail.
+    fn hints(&self) -> Hints {
+        let is_wanted = self.hints || self.fail_on.least() == Some(Severity::Hint) || self.selection.is_narrowed();
+        if is_wanted { Hints::Each } else { Hints::Counted }
+    }
+
     fn print(&self, files: &[CheckedFile], output: &Output) -> Result<(), Failure> {
         let text = match self.format {
-            CheckFormat::Text => summary(files),
+            CheckFormat::Text => summary(files, self.hints()),
             CheckFormat::Sarif => Printable::pretty_json(&sarif::document(files)).into_string(),
             CheckFormat::Github => files.iter().map(github::render).collect(),
             CheckFormat::Json => self.report(files, Form::Json)?,
@@ -188,10 +197,13 @@ impl Args {
     }
 }
 
-/// The number of findings, and a hint at `--fix`.
-fn summary(files: &[CheckedFile]) -> String {
+/// The number of findings, and what `--hints` and `--fix` would do.
+fn summary(files: &[CheckedFile], hints: Hints) -> String {
     let counts = Counts::of(files);
-    let text = text::summary(files.len(), &counts);
+    let mut text = text::summary(files.len(), &counts);
+    if hints == Hints::Counted && counts.hints > 0 {
+        text += "--hints shows each hint with its line\n";
+    }
     match counts.fixable {
         0 => text,
         number => format!("{text}{number} can be fixed with --fix; --diff shows what would change\n"),

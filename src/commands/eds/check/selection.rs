@@ -26,6 +26,11 @@ impl Selection {
         Ok(())
     }
 
+    /// Whether only some rules are checked.
+    pub const fn is_narrowed(&self) -> bool {
+        !self.select.is_empty()
+    }
+
     /// Whether the options select a finding.
     pub fn wants(&self, finding: &Finding) -> bool {
         let is_in = |ids: &[String]| ids.iter().any(|id| finding.problem.rule.is_in(id));

@@ -142,14 +142,25 @@ fn description(text: BoxedStrategy<String>) -> impl Strategy<Value = DeviceDescr
         |(device, file, commissioning, objects, modules, comments)| DeviceDescription {
             device,
             file,
+            dictionary: objects.into_iter().map(|object| configured(object, commissioning.is_some())).collect(),
             commissioning,
-            dictionary: objects.into_iter().collect(),
             modules,
             comments,
             dummy_usage: [(5, true), (6, false)].into(),
             ..DeviceDescription::default()
         },
     )
+}
+
+/// Only the description of a configured device has configured values.
+fn configured(mut object: Object, is_configured: bool) -> Object {
+    let subs: Vec<SubIndex> = object.entries().iter().map(|entry| entry.sub).collect();
+    for sub in subs {
+        if let Some(entry) = object.entry_mut(sub).filter(|_| !is_configured) {
+            entry.configured = None;
+        }
+    }
+    object
 }
 
 proptest! {

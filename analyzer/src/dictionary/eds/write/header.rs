@@ -20,8 +20,12 @@ const MOST_PDOS: u16 = 512;
 pub(super) fn write(sheet: &mut Sheet, description: &DeviceDescription) {
     file_info(sheet, &description.file);
     device_info(sheet, description);
-    if let Some(commissioning) = &description.commissioning {
-        self::commissioning(sheet, commissioning);
+    // The section makes the file a DCF, which alone has configured values.
+    let is_configured = || description.dictionary.entries().any(|(_, entry)| entry.configured.is_some());
+    match &description.commissioning {
+        Some(commissioning) => self::commissioning(sheet, commissioning),
+        None if is_configured() => self::commissioning(sheet, &Commissioning::default()),
+        None => {}
     }
     sheet.section("DummyUsage");
     // Some readers fail if one of the types from BOOLEAN to UNSIGNED32 is missing.

@@ -135,6 +135,8 @@ fn values_weigh_what_they_can() {
     let measured = ("AccessType=rw\nDefaultValue=5\nPDOMapping=1", "AccessType=ro\nDefaultValue=5\nPDOMapping=1");
     assert_eq!(found(measured, &[(0x2000, 0, bytes(&[6, 0]))]), [""; 0]);
     let configured = ("AccessType=rw\nDefaultValue=5\n", "AccessType=rw\nDefaultValue=5\nParameterValue=7\n");
+    assert_eq!(found(configured, &[(0x2000, 0, bytes(&[5, 0]))]), [""; 0], "an EDS has no configured values");
+    let configured = (configured.0, "AccessType=rw\nParameterValue=7\n[DeviceComissioning]\nNodeID=5\n");
     assert_eq!(found(configured, &[(0x2000, 0, bytes(&[5, 0]))]), ["configured 2000h:00 7 -> 5"]);
 }
 
