@@ -6,7 +6,9 @@ use canvass_analyzer::dictionary::{DeviceDescription, EdsProblem, KnownDevice, S
 use canvass_analyzer::{NodeId, NodeRange, meant};
 use canvass_device::models::Model;
 use canvass_traces::small_file::{self, OF_HAND};
+use std::collections::BTreeMap;
 use std::path::Path;
+use std::sync::Arc;
 
 /// Nodes and the model or file that describes them, as typed.
 #[derive(Clone, Debug)]
@@ -35,6 +37,33 @@ impl DeviceArg {
     pub fn describe(&self) -> Result<KnownDevice> {
         describe(&self.device)
     }
+}
+
+/// Tells which device each node is. A device of fewer nodes comes before that of `all`.
+///
+/// # Errors
+/// If a description can't be read, or a node has two.
+pub fn each(devices: &[DeviceArg], mut describe: impl FnMut(NodeId, &Arc<KnownDevice>)) -> Result<()> {
+    let is_of_all = |device: &&DeviceArg| device.nodes.len() == NodeId::ALL.len();
+    let (of_all, of_some): (Vec<&DeviceArg>, Vec<&DeviceArg>) = devices.iter().partition(is_of_all);
+    for group in [of_all, of_some] {
+        let mut named: BTreeMap<NodeId, &str> = BTreeMap::new();
+        for device in group {
+            for &node in &device.nodes {
+                if let Some(other) = named.insert(node, &device.device).filter(|other| *other != device.device) {
+                    let of = if device.nodes.len() == NodeId::ALL.len() {
+                        "all nodes".to_owned()
+                    } else {
+                        format!("node {node}")
+                    };
+                    bail!("{other} and {} can't both be the device of {of}: name the nodes of each", device.device);
+                }
+            }
+            let known = Arc::new(device.describe()?);
+            device.nodes.iter().for_each(|node| describe(*node, &known));
+        }
+    }
+    Ok(())
 }
 
 /// The model or file in `MODEL`, `FILE` or `NODE=FILE`.
@@ -108,6 +137,26 @@ mod tests {
         for wrong in ["", "0", "3..1", "1..128", "1.3", "1,"] {
             assert!(format!("{wrong}=x.eds").parse::<DeviceArg>().is_err(), "{wrong}");
         }
+    }
+
+    #[test]
+    fn a_node_has_one_device_and_all_is_for_the_others() {
+        let told = |args: &[&str]| -> Result<Vec<String>> {
+            let devices: Vec<DeviceArg> = args.iter().map(|text| text.parse().unwrap()).collect();
+            let mut of = BTreeMap::new();
+            each(&devices, |node, known| _ = of.insert(node, known.description.device.product_name.clone()))?;
+            Ok([5, 6].map(|node| of[&NodeId::new(node).unwrap()].clone()).to_vec())
+        };
+        let (specific, general) = ("5=lika-ax58", "all=kuebler-sendix-58x8");
+        let both = told(&[specific, general]).unwrap();
+        assert_eq!(both, told(&[general, specific]).unwrap(), "the order does not matter");
+        assert_ne!(both[0], both[1]);
+        let reason = |args: &[&str]| told(args).unwrap_err().to_string();
+        assert_eq!(
+            reason(&["all=lika-ax58", general]),
+            "lika-ax58 and kuebler-sendix-58x8 can't both be the device of all nodes: name the nodes of each"
+        );
+        assert!(reason(&["4..6=lika-ax58", "6=kuebler-sendix-58x8", general]).contains("device of node 6"));
     }
 
     #[test]

@@ -14,6 +14,7 @@ use canvass_reports::decode::{Line, Lines, TextLines, TimeStyle};
 use canvass_traces::{Channels, Duration, Record, TimeBase};
 use std::io;
 use std::net::IpAddr;
+use std::sync::Arc;
 
 /// Opens a bus. An invalid address is a usage error, anything else a failure of the bus.
 pub fn open_bus(address: &str, seed: u64) -> Result<Opened, Failure> {
@@ -141,10 +142,7 @@ impl Live {
         if let Some(node) = simulated {
             live.boot(node).map_err(Failure::unreachable)?;
         }
-        for device in devices {
-            let known = device.describe()?;
-            device.nodes.iter().for_each(|node| live.network.describe(*node, known.clone()));
-        }
+        crate::devices::each(devices, |node, known| live.network.describe(node, Arc::clone(known)))?;
         Ok(live)
     }
 

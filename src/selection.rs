@@ -1,6 +1,6 @@
 //! `--node`, `--channel`, `--filter`: selection of frames.
 
-use crate::devices::DeviceArg;
+use crate::devices::{self, DeviceArg};
 use crate::inputs::Inputs;
 use crate::output::diagnostic;
 use crate::status::Failure;
@@ -10,6 +10,7 @@ use canvass_analyzer::{NodeId, NodeRange};
 use canvass_device::models::Model;
 use canvass_traces::{ChannelId, Record};
 use std::cell::Cell;
+use std::sync::Arc;
 
 /// Options that select frames.
 #[derive(clap::Args)]
@@ -48,10 +49,7 @@ impl Selection {
     pub fn network(&self) -> Result<Network, Failure> {
         let mut network = Network::new();
         network.offer(Model::candidates());
-        for device in &self.device {
-            let known = device.describe()?;
-            device.nodes.iter().for_each(|node| network.describe(*node, known.clone()));
-        }
+        devices::each(&self.device, |node, known| network.describe(node, Arc::clone(known)))?;
         Ok(network)
     }
 

@@ -91,20 +91,20 @@ impl Devices {
     /// If a description can't be read.
     pub fn tell(
         &self,
-        mut describe: impl FnMut(NodeId, KnownDevice),
+        mut describe: impl FnMut(NodeId, Arc<KnownDevice>),
         offer: impl FnOnce(Candidates),
     ) -> Result<(), DeviceError> {
         let mut said = Vec::new();
         for rule in &self.0 {
-            let known = rule.description.known()?;
+            let known = Arc::new(rule.description.known()?);
             match &rule.who {
                 Who::Nodes(nodes) => {
-                    nodes.iter().filter_map(|&node| NodeId::new(node)).for_each(|node| describe(node, known.clone()));
+                    nodes.iter().filter_map(|&node| NodeId::new(node)).for_each(|node| describe(node, Arc::clone(&known)));
                 }
                 Who::Identity(values) => said.push(Candidate::said(
                     rule.description.name(),
                     values.iter().map(|&(sub, value)| (identity(sub), Fact::Number(vec![value]))).collect(),
-                    Arc::new(known),
+                    known,
                 )),
             }
         }

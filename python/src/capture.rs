@@ -21,7 +21,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 pub struct Origin {
     paths: Vec<PathBuf>,
     options: ReadOptions,
-    devices: Vec<(NodeId, KnownDevice)>,
+    devices: Vec<(NodeId, Arc<KnownDevice>)>,
     /// The damages of the latest reading, up to [`MOST_DAMAGES`], and their number.
     damages: Arc<Mutex<(Vec<String>, u64)>>,
 }
@@ -48,7 +48,7 @@ impl Origin {
         let captures = self.paths.iter().map(open).collect::<PyResult<Vec<_>>>()?;
         let mut network = Network::new();
         for (node, device) in &self.devices {
-            network.describe(*node, device.clone());
+            network.describe(*node, Arc::clone(device));
         }
         network.offer(Model::candidates());
         *self.damages.lock().unwrap_or_else(PoisonError::into_inner) = (Vec::new(), 0);
@@ -111,9 +111,9 @@ impl Capture {
     fn new(paths: Vec<PathBuf>, devices: Vec<(String, String)>, format: Option<&str>) -> PyResult<Self> {
         let mut described = Vec::new();
         for (nodes, device) in devices {
-            let known = describe(&device)?;
+            let known = Arc::new(describe(&device)?);
             let nodes = NodeRange::list(&nodes).map_err(|error| PyValueError::new_err(error.to_string()))?;
-            described.extend(nodes.into_iter().map(|node| (node, known.clone())));
+            described.extend(nodes.into_iter().map(|node| (node, Arc::clone(&known))));
         }
         let format = format.map(by_id).transpose()?;
         let options = ReadOptions { format, ..ReadOptions::default() };

@@ -24,13 +24,13 @@
   }));
   filter.addEventListener('input', update);
   const reveal = () => {
-    const target = location.hash && document.getElementById(decodeURIComponent(location.hash.slice(1)));
+    const target = canvassPlace.hash && document.getElementById(decodeURIComponent(canvassPlace.hash.slice(1)));
     for (let at = target; at; at = at.parentElement) {
       if (at.tagName === 'DETAILS') { at.hidden = false; at.open = true; }
     }
     if (target && target.tagName === 'TR') { target.scrollIntoView({ block: 'center' }); }
   };
-  addEventListener('hashchange', reveal);
+  canvassPlace.watch(reveal);
   reveal();
   let closed = [];
   addEventListener('beforeprint', () => {

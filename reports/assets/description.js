@@ -17,8 +17,8 @@
   };
   filter.addEventListener('input', update);
   // A link to an object that is hidden shows all again.
-  addEventListener('hashchange', () => {
-    const target = document.getElementById(decodeURIComponent(location.hash.slice(1)));
+  canvassPlace.watch(() => {
+    const target = document.getElementById(decodeURIComponent(canvassPlace.hash.slice(1)));
     if (target && target.hidden) {
       filter.value = '';
       update();

@@ -1,3 +1,33 @@
+// Where in the page the reader is: the address after the #. Where another page shows this one, its document has no origin, and
+// browsers follow no link in it: links are then followed here.
+const canvassPlace = (() => {
+  const isShown = parent !== window;
+  const watchers = [];
+  let hash = location.hash;
+  const tell = () => watchers.forEach((watcher) => watcher());
+  const show = (target) => {
+    const { top, bottom } = target.getBoundingClientRect();
+    if (bottom < 0 || top > innerHeight - 40 || (top === 0 && bottom === 0)) target.scrollIntoView();
+  };
+  if (isShown) {
+    document.addEventListener('click', (event) => {
+      const link = event.target.closest?.('a[href^="#"]');
+      if (!link || event.defaultPrevented) return;
+      event.preventDefault();
+      hash = link.getAttribute('href');
+      const target = document.getElementById(decodeURIComponent(hash.slice(1)));
+      target?.scrollIntoView();
+      tell();
+      // What was closed or filtered out has its place only now.
+      if (target) show(target);
+      if (target?.tabIndex >= 0 || target?.hasAttribute('tabindex')) target.focus({ preventScroll: true });
+    });
+  } else {
+    addEventListener('hashchange', tell);
+  }
+  return { get hash() { return isShown ? hash : location.hash; }, isShown, watch: (watcher) => watchers.push(watcher) };
+})();
+
 // The colours of the page: the system's, or what the reader chose before.
 (() => {
   const key = 'canvass-theme';

@@ -1,7 +1,7 @@
 //! `canvass diagnose`: problems of a bus.
 
 use crate::destination::refuse_existing;
-use crate::devices::DeviceArg;
+use crate::devices::{self, DeviceArg};
 use crate::files::Files;
 use crate::inputs::{InputOptions, Inputs, RecordKind};
 use crate::output::{Color, Output, document, is_terminal, unless_closed};
@@ -16,6 +16,7 @@ use canvass_reports::diagnosis::{Advice, Diagnosed, DiagnosisReport, Reading, ht
 use canvass_reports::document::{Form, Report as _, Style};
 use std::io::{self, Write};
 use std::path::PathBuf;
+use std::sync::Arc;
 
 /// Diagnose captures: traffic on the bus, problems, and the frames that prove them
 ///
@@ -164,10 +165,7 @@ impl Args {
         }
         let mut diagnosis = Diagnosis::new(thresholds);
         diagnosis.offer(Model::candidates());
-        for device in &self.device {
-            let known = device.describe()?;
-            device.nodes.iter().for_each(|node| diagnosis.describe(*node, known.clone()));
-        }
+        devices::each(&self.device, |node, known| diagnosis.describe(node, Arc::clone(known)))?;
         if let Some(bit_rate) = self.bit_rate {
             diagnosis.set_bit_rate(bit_rate);
         }

@@ -15,6 +15,8 @@ mod equal;
 #[cfg(test)]
 mod hostile;
 #[cfg(test)]
+mod links;
+#[cfg(test)]
 mod network;
 #[cfg(test)]
 mod opened;

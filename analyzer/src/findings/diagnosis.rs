@@ -15,6 +15,7 @@ use crate::network::{Bus, Candidates, Decoded, Network};
 use crate::room::Room;
 use crate::statistics::BusStatistics;
 use canvass_traces::{ChannelId, Duration, Record};
+use std::sync::Arc;
 
 /// Diagnoses a capture. Memory does not grow with the length of the capture.
 ///
@@ -115,7 +116,7 @@ impl Diagnosis {
     }
 
     /// Sets the device of a node, on all buses.
-    pub fn describe(&mut self, node: NodeId, device: KnownDevice) {
+    pub fn describe(&mut self, node: NodeId, device: impl Into<Arc<KnownDevice>>) {
         self.network.describe(node, device);
     }
 

@@ -125,8 +125,8 @@ impl Network {
     }
 
     /// Sets the device of a node on all buses; its COB-IDs, mappings, names and types are then known.
-    pub fn describe(&mut self, node: NodeId, device: KnownDevice) {
-        let device = Arc::new(device);
+    pub fn describe(&mut self, node: NodeId, device: impl Into<Arc<KnownDevice>>) {
+        let device = device.into();
         for bus in &mut self.buses {
             bus.describe(node, &device);
         }

@@ -27,7 +27,7 @@
 
   // A link to a finding that is filtered out shows all again.
   const reveal = () => {
-    const finding = /^#finding-\d+$/.test(location.hash) ? document.getElementById(location.hash.slice(1)) : null;
+    const finding = /^#finding-\d+$/.test(canvassPlace.hash) ? document.getElementById(canvassPlace.hash.slice(1)) : null;
     if (!finding) return;
     if (finding.hidden) {
       tiles.forEach((tile) => tile.setAttribute('aria-pressed', 'false'));
@@ -37,7 +37,7 @@
     }
     finding.focus({ preventScroll: true });
   };
-  addEventListener('hashchange', reveal);
+  canvassPlace.watch(reveal);
   reveal();
 
   document.querySelectorAll('button[data-from]').forEach((button) => button.addEventListener('click', () => {
@@ -45,6 +45,7 @@
     // One that goes on and on is shown as it begins.
     const long = Math.max(Math.min((to - from) * 1.3, data.span / 4), data.span / 200, 1000);
     view.set(from - long * 0.4, from + long * 0.8);
+    view.pointTo(from);
     document.getElementById('timeline').scrollIntoView();
   }));
 

@@ -88,7 +88,7 @@
 
   // A link to a frame shows it among its neighbours, whatever was filtered.
   const reveal = () => {
-    const wanted = /^#frame-(\d+)$/.exec(location.hash);
+    const wanted = /^#frame-(\d+)$/.exec(canvassPlace.hash);
     if (!wanted || !(Number(wanted[1]) < frames.length)) return;
     target = Number(wanted[1]);
     if (!chosen.includes(target) || chosen.length < frames.length) {
@@ -101,10 +101,10 @@
     made.scrollIntoView({ block: 'center', behavior: 'instant' });
     made.focus({ preventScroll: true });
   };
-  addEventListener('hashchange', reveal);
+  canvassPlace.watch(reveal);
   // A link that is followed again changes nothing in the address.
   document.addEventListener('click', (event) => {
-    if (event.target.closest?.('a.frame')?.hash === location.hash) reveal();
+    if (!canvassPlace.isShown && event.target.closest?.('a.frame')?.hash === location.hash) reveal();
   });
   const begin = () => {
     filter();

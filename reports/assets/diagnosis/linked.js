@@ -12,6 +12,14 @@
     view.point(frame[NANOS] / 1e3);
     tell(frame[NANOS] / 1e9);
   });
+  // The frame of a finding is the frame at which both point.
+  canvassPlace.watch(() => {
+    const row = /^#frame-(\d+)$/.exec(canvassPlace.hash);
+    const frame = row && data.frames[Number(row[1])];
+    if (!frame) return;
+    view.point(frame[NANOS] / 1e3);
+    tell(frame[NANOS] / 1e9);
+  });
   if (parent !== window) {
     addEventListener('message', ({ source, data: told }) => {
       if (source === parent && Number.isFinite(told?.cursor)) view.point(told.cursor * 1e6);

@@ -1,13 +1,13 @@
 //! `canvass sdo batch`: reads and writes the objects of a list.
 
 use super::{object, value};
-use crate::devices::DeviceArg;
+use crate::devices::{self, DeviceArg};
 use crate::interrupt::Interrupt;
 use crate::live::{ClientArg, Live, parse_span};
 use crate::output::{diagnostic, print};
 use crate::status::{Failure, Status};
 use anyhow::{Context, Result, anyhow, bail};
-use canvass_analyzer::dictionary::{DataType, DeviceDescription, Value};
+use canvass_analyzer::dictionary::{DataType, DeviceDescription, KnownDevice, Value};
 use canvass_analyzer::{Multiplexer, NodeId, NodeRange};
 use canvass_bus::client::sdo::{Bytes, Mode, Outcome, Transfer};
 use canvass_bus::client::{Exchange, UploadLimit};
@@ -17,6 +17,7 @@ use canvass_traces::{Duration, Record, Timestamp};
 use std::collections::BTreeMap;
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 /// Read and write the objects of a list, one after the other
 ///
@@ -60,14 +61,11 @@ struct Step {
 impl Args {
     pub fn run(self) -> Result<Status, Failure> {
         let text = read(&self.file)?;
-        let mut descriptions: BTreeMap<NodeId, DeviceDescription> = BTreeMap::new();
-        for device in &self.device {
-            let known = device.describe()?;
-            descriptions.extend(device.nodes.iter().map(|node| (*node, known.description.clone())));
-        }
+        let mut descriptions: BTreeMap<NodeId, Arc<KnownDevice>> = BTreeMap::new();
+        devices::each(&self.device, |node, known| _ = descriptions.insert(node, Arc::clone(known)))?;
         let mut live = Live::open(&self.bus, None, &self.device, self.client)?;
         if let (Some(node), Some(model)) = (live.simulated_node(), live.model) {
-            descriptions.entry(node).or_insert_with(|| model.description().clone());
+            descriptions.entry(node).or_insert_with(|| Arc::clone(model.device()));
         }
         let steps = steps(&text, &descriptions).with_context(|| self.file.display().to_string())?;
         let status = self.carry_out(&mut live, &steps)?;
@@ -133,7 +131,7 @@ fn read(path: &Path) -> Result<String> {
 }
 
 /// Reads the list.
-fn steps(text: &str, descriptions: &BTreeMap<NodeId, DeviceDescription>) -> Result<Vec<Step>> {
+fn steps(text: &str, descriptions: &BTreeMap<NodeId, Arc<KnownDevice>>) -> Result<Vec<Step>> {
     let mut steps = Vec::new();
     for (line, text) in (1..).zip(text.lines()) {
         let words = words(text);
@@ -168,7 +166,7 @@ fn words(line: &str) -> Vec<String> {
     words
 }
 
-fn step(line: usize, words: &[String], descriptions: &BTreeMap<NodeId, DeviceDescription>) -> Result<Step> {
+fn step(line: usize, words: &[String], descriptions: &BTreeMap<NodeId, Arc<KnownDevice>>) -> Result<Step> {
     let words: Vec<&str> = words.iter().map(String::as_str).collect();
     let usage = "expected NODE read OBJECT, or NODE write OBJECT VALUE [TYPE]";
     // CiA 309-3 allows a sequence number in brackets.
@@ -178,7 +176,7 @@ fn step(line: usize, words: &[String], descriptions: &BTreeMap<NodeId, DeviceDes
     };
     let [node, command, object, rest @ ..] = words else { bail!("{usage}, found \"{}\"", words.join(" ")) };
     let node = NodeRange::node(node)?;
-    let description = descriptions.get(&node);
+    let description = descriptions.get(&node).map(|known| &known.description);
     let (at, rest, of_309) = address(object, rest, description)?;
     let known = value::known_type(at, description);
     match (*command, rest) {

@@ -9,6 +9,8 @@ use std::path::Path;
 pub enum Screen {
     /// A window of 1280 by 900.
     Desk,
+    /// The window of a small laptop at a zoom of 200 %: 640 by 450 points.
+    Zoomed,
     /// A touch screen of 390 by 800 points, with two pixels per point in each direction.
     Phone,
 }
@@ -33,9 +35,14 @@ pub fn capabilities(screen: Screen, profile: &Path) -> Capabilities {
     let profile = format!("--user-data-dir={}", profile.display());
     let options: Vec<&str> = OPTIONS.into_iter().chain([profile.as_str()]).collect();
     let mut options = json!({ "args": options });
-    if screen == Screen::Phone {
+    let emulated = match screen {
+        Screen::Desk => None,
+        Screen::Zoomed => Some((640, 450, false)),
+        Screen::Phone => Some((390, 800, true)),
+    };
+    if let Some((width, height, touch)) = emulated {
         options["mobileEmulation"] =
-            json!({ "deviceMetrics": { "width": 390, "height": 800, "pixelRatio": 2, "touch": true } });
+            json!({ "deviceMetrics": { "width": width, "height": height, "pixelRatio": 2, "touch": touch } });
     }
     let logs = json!({ "browser": "ALL", "performance": "ALL" });
     let named = [("goog:chromeOptions", options), ("goog:loggingPrefs", logs)];

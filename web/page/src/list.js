@@ -26,6 +26,8 @@ export class List {
   constructor(root, { head, fetch, draw, choose, label }) {
     Object.assign(this, { root, fetch, draw, choose });
     this.at = 0;
+    /** Whether the row at `at` is selected; otherwise `at` is where the selected row would be. */
+    this.selected = true;
     this.height = element("div", { class: "list-height", role: "presentation" });
     this.body = element("div", { class: "list-body", role: "rowgroup" });
     head.setAttribute("aria-rowindex", 1);
@@ -70,9 +72,24 @@ export class List {
     this.#schedule();
   }
 
+  /** Marks the place of the row that was selected before the rows changed, which may be among them or not. */
+  place(at, selected) {
+    this.at = Math.max(0, Math.min(at, this.#length - 1));
+    this.selected = selected;
+    const sight = this.#sight - 1;
+    if (this.at < this.#top || this.at >= this.#top + sight) this.#show(this.at - Math.floor(sight / 2));
+    this.#schedule();
+  }
+
+  /** The row at a place. */
+  row(at) {
+    return this.#row(at);
+  }
+
   /** Scrolls to a row and selects it; `why` is passed on to `choose`. */
   go(at, why) {
     if (this.#length === 0) return;
+    this.selected = true;
     this.at = Math.max(0, Math.min(at, this.#length - 1));
     const sight = this.#sight - 1;
     if (this.at < this.#top || this.at >= this.#top + sight) this.#show(this.at - Math.floor(sight / 2));
@@ -121,7 +138,8 @@ export class List {
     const step = steps[event.key];
     if (step === undefined || event.target !== this.root) return;
     event.preventDefault();
-    this.go(this.at + step);
+    // From a place between two rows, the next row is the one at the place.
+    this.go(this.at + (this.selected || step < 0 ? step : step - 1));
   }
 
   async #row(at) {
@@ -168,7 +186,7 @@ export class List {
       const known = this.#pieces.get(Math.floor(row.at / PIECE))?.[row.at % PIECE];
       if (!known && !row.hidden) wanted.add(Math.floor(row.at / PIECE));
       row.setAttribute("aria-rowindex", row.at + 2);
-      row.setAttribute("aria-selected", row.at === this.at);
+      row.setAttribute("aria-selected", row.at === this.at && this.selected);
       row.id = `row-${n}`;
       this.draw(row, known);
       if (row.at === this.at) this.root.setAttribute("aria-activedescendant", row.id);

@@ -85,21 +85,46 @@ async function run(kind, what, args, text) {
 
 const bytesOf = async (file) => new Uint8Array(await file.arrayBuffer());
 
+/** Whether a file describes a device, by its name or by how it begins. */
+async function isDescription(file) {
+  if (DESCRIPTION.test(file.name)) return true;
+  const head = await file.slice(0, 4096).text();
+  return /^\uFEFF?\s*(;.*\s*)*\[(FileInfo|DeviceInfo)\]/i.test(head) || /<ISO15745Profile/.test(head);
+}
+
+/** Whether the files are pieces of one recording: their names differ in numbers only. */
+const arePieces = (files) => files.length > 1 && new Set(files.map(({ name }) => name.replace(/\d+/g, "#"))).size === 1;
+
 /** Opens files that the user dropped or chose. */
 async function take(files) {
   const [captures, results] = [[], []];
+  let described = 0;
   for (const file of files) {
     if (/\.json$/i.test(file.name)) results.push([file.name, await bytesOf(file)]);
-    else if (DESCRIPTION.test(file.name)) await describe(file.name, "", await bytesOf(file));
+    else if (await isDescription(file)) described += await describe(file.name, "", await bytesOf(file));
     else captures.push(file);
   }
-  if (captures.length > 0) app.captures = captures;
   if (results.length > 0) {
     addResults(results);
     if (captures.length === 0) return show("results");
   }
-  if (app.captures.length > 0) await reopen();
+  if (captures.length > 0) await replace(captures);
+  else if (app.captures.length > 0 && described > 0) await reopen();
   else show(app.described.length > 0 ? "eds" : undefined);
+}
+
+/** Opens other captures; those that are open stay open if they can't be read. */
+async function replace(captures) {
+  const { captures: before, options } = app;
+  app.captures = captures;
+  app.options = { ...options, same_bus: arePieces(captures) };
+  byId("same-bus").checked = app.options.same_bus;
+  if ((await reopen()) !== false || before.length === 0) return;
+  const why = byId("status").textContent;
+  Object.assign(app, { captures: before, options });
+  byId("same-bus").checked = options.same_bus;
+  await reopen();
+  say(`${captures.map(({ name }) => name).join(", ")}: ${why}; the captures before are open again`, true);
 }
 
 /** Adds results, which replace those with the same names. */
@@ -110,6 +135,12 @@ function addResults(results) {
 
 /** Adds a description for these nodes, or changes its nodes; returns whether it could be used. */
 async function describe(name, nodes, bytes) {
+  // Two descriptions can't both be that of all nodes.
+  const other = app.described.find((known) => known.name !== name && known.nodes === "all");
+  if (nodes === "" && other) {
+    say(`${name}: ${other.name} describes all nodes already; name the nodes of one of them under EDS first`, true);
+    return false;
+  }
   try {
     const known = await app.engine.call("describe", { name, nodes, bytes });
     app.described = [...app.described.filter((other) => other.name !== name), { ...known, bytes }];
@@ -122,7 +153,7 @@ async function describe(name, nodes, bytes) {
   }
 }
 
-/** Reads the captures from their beginning. */
+/** Reads the captures from their beginning; returns `false` if they can't be read. */
 async function reopen() {
   if (app.captures.length === 0) return;
   app.summary = app.cursor = null;
@@ -133,7 +164,10 @@ async function reopen() {
   const summary = await run("open", "open", { captures: app.captures, options: app.options }, "Reading");
   // Other files were opened meanwhile, or the same with other options.
   if (opening !== openings) return;
-  if (!summary) return close(false);
+  if (!summary) {
+    close(false);
+    return false;
+  }
   performance.measure("canvass-read", "canvass-open");
   app.summary = summary;
   const { errors, warnings, damages } = summary;
@@ -183,7 +217,8 @@ function refresh() {
 /** Shows a view. */
 function show(wanted) {
   const id = VIEWS.some(([id]) => id === wanted) ? wanted : "diagnosis";
-  state.set({ view: id });
+  // The browser's button Back leads to the view before, not away from the captures.
+  state.set({ view: id }, { isStep: (state.get("view") ?? "diagnosis") !== id });
   for (const [other] of VIEWS) {
     const tab = byId(`tab-${other}`);
     tab.setAttribute("aria-selected", other === id);
@@ -283,7 +318,9 @@ async function begin() {
   drops();
   // Without this worker the engine computes the hashes itself.
   app.engine.sibling(() => app.engine.call("hashBy")).then(hashBy, () => {});
-  window.addEventListener("hashchange", () => show(state.get("view")));
+  window.addEventListener("popstate", () => show(state.get("view")));
+  // A page that is left loses its captures.
+  window.addEventListener("beforeunload", (event) => app.captures.length > 0 && event.preventDefault());
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => views.forEach((view) => view.painted?.()));
   refresh();
   if (window.canvassRegister) window.canvassRegister();

@@ -150,8 +150,8 @@ const calls = {
   },
   rank: ({ row }) => page.rank(row),
   rowAt: ({ seconds }) => page.rowAt(seconds),
-  async find({ text, from, backwards }, tell) {
-    page.find(text, from, backwards);
+  async find({ filter, text, from, backwards }, tell) {
+    page.find(filter, text, from, backwards);
     return job("find", () => JSON.parse(page.findOn(STEP)), tell);
   },
   async plots(_, tell) {

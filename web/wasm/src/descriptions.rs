@@ -9,6 +9,7 @@ use canvass_reports::descriptions::{CheckedFile, Counts, text};
 use canvass_reports::provenance::FileUsed;
 use serde_json::{Value, json};
 use std::io;
+use std::sync::Arc;
 
 /// A description with its nodes.
 #[derive(Clone, Debug)]
@@ -20,7 +21,7 @@ pub struct Described {
     /// The nodes.
     pub nodes: Vec<NodeId>,
     /// The content of the description.
-    pub known: KnownDevice,
+    pub known: Arc<KnownDevice>,
     bytes: Vec<u8>,
 }
 
@@ -39,7 +40,7 @@ impl Described {
             None => "all".to_owned(),
         };
         let nodes = NodeRange::list(&nodes_text).map_err(|error| error.to_string())?;
-        let known = KnownDevice::described(description);
+        let known = Arc::new(KnownDevice::described(description));
         Ok(Self { name: name.to_owned(), nodes_text, nodes, known, bytes: bytes.to_owned() })
     }
 

@@ -4,6 +4,8 @@ use crate::descriptions::Described;
 use crate::file::ChosenFile;
 use crate::input::{Input, InputOptions, Next};
 use crate::trace::store::{Indexing, Store};
+use canvass_analyzer::NodeId;
+use canvass_analyzer::dictionary::KnownDevice;
 use canvass_analyzer::findings::{Diagnosis, Results, SourceQuality, Thresholds};
 use canvass_analyzer::network::Network;
 use canvass_device::models::Model;
@@ -13,6 +15,7 @@ use canvass_reports::document::{Form, Report as _, Style};
 use canvass_reports::provenance::Provenance;
 use canvass_traces::{ChannelId, OpenError, Record};
 use std::io;
+use std::sync::Arc;
 
 /// The options that the table names. They are the options of the program, so that both tables have the same bytes.
 const ADVICE: Advice = Advice {
@@ -58,9 +61,7 @@ impl Opening {
         let input = Input::open(files, options, hashed)?;
         let mut diagnosis = Diagnosis::new(Thresholds::default());
         diagnosis.offer(Model::candidates());
-        for device in described {
-            device.nodes.iter().for_each(|node| diagnosis.describe(*node, device.known.clone()));
-        }
+        each(described, |node, known| diagnosis.describe(node, known));
         let reading = Reading::new(diagnosis, Some(Collector::default()));
         Ok(Self { input, reading, store: Store::new(network(described)), damages: 0 })
     }
@@ -138,10 +139,17 @@ fn make_room(bytes: u64) {
 pub fn network(described: &[Described]) -> Network {
     let mut network = Network::new();
     network.offer(Model::candidates());
-    for device in described {
-        device.nodes.iter().for_each(|node| network.describe(*node, device.known.clone()));
-    }
+    each(described, |node, known| network.describe(node, known));
     network
+}
+
+/// Tells which device each node is. A description of fewer nodes is told later, so that it counts.
+fn each(described: &[Described], mut describe: impl FnMut(NodeId, Arc<KnownDevice>)) {
+    let mut described: Vec<&Described> = described.iter().collect();
+    described.sort_by_key(|device| std::cmp::Reverse(device.nodes.len()));
+    for device in described {
+        device.nodes.iter().for_each(|node| describe(*node, Arc::clone(&device.known)));
+    }
 }
 
 impl Opened {

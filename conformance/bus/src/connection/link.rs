@@ -1,7 +1,9 @@
 //! The connection to an adapter or program: a serial port, TCP in either direction, or UDP.
 
 use std::io::{self, Read, Write};
-use std::net::{Ipv4Addr, TcpListener, TcpStream, ToSocketAddrs, UdpSocket};
+#[cfg(not(target_family = "wasm"))]
+use std::net::UdpSocket;
+use std::net::{Ipv4Addr, TcpListener, TcpStream, ToSocketAddrs};
 use std::time::Duration;
 
 /// The place of an adapter.
@@ -61,14 +63,17 @@ pub fn connect(address: &str) -> io::Result<Link> {
 }
 
 /// The two directions of UDP sockets: a read is one datagram, and so is a write.
+#[cfg(not(target_family = "wasm"))]
 pub fn datagrams(reader: UdpSocket, writer: UdpSocket) -> io::Result<Link> {
     reader.set_read_timeout(Some(LOOK))?;
     writer.set_write_timeout(Some(WRITE))?;
     Ok(Link { reader: Box::new(Datagrams(reader)), writer: Box::new(Datagrams(writer)) })
 }
 
+#[cfg(not(target_family = "wasm"))]
 struct Datagrams(UdpSocket);
 
+#[cfg(not(target_family = "wasm"))]
 impl Read for Datagrams {
     fn read(&mut self, buffer: &mut [u8]) -> io::Result<usize> {
         // No bytes would mean the end of a stream.
@@ -79,6 +84,7 @@ impl Read for Datagrams {
     }
 }
 
+#[cfg(not(target_family = "wasm"))]
 impl Write for Datagrams {
     fn write(&mut self, bytes: &[u8]) -> io::Result<usize> {
         self.0.send(bytes)

@@ -1,7 +1,7 @@
 //! cannelloni: a tunnel for CAN frames, as datagrams with several frames (UDP, format 2) or as a stream of frames (TCP,
 //! `CANNELLONIv1`). All numbers are big-endian; the identifier has the flags of SocketCAN.
 
-use super::{Arrived, Connect, Failure, Protocol, Read, Stamped, Write};
+use super::bus::{Arrived, Connect, Failure, Protocol, Read, Stamped, Write};
 use crate::connection::link::{Link, connect, datagrams, is_silence};
 use canvass_traces::{CanId, ErrorClass, Flags, Frame};
 use std::io;

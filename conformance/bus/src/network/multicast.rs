@@ -1,7 +1,7 @@
 //! python-can's `udp_multicast`: each frame is a datagram to a group of computers, as a msgpack map with the names of
 //! python-can's `Message`.
 
-use super::{Arrived, Connect, Failure, Protocol, Read, Stamped, Write};
+use super::bus::{Arrived, Connect, Failure, Protocol, Read, Stamped, Write};
 use crate::clock::system_time;
 use crate::connection::link::{Link, datagrams};
 use canvass_traces::{CanId, ErrorClass, Flags, Frame};

@@ -1,6 +1,7 @@
 //! The thread that reads from the other end, and connects again after the connection was lost.
 
-use super::{Arrived, Connect, Failure, NetworkError, Read, Shared};
+use super::NetworkError;
+use super::bus::{Arrived, Connect, Failure, Read, Shared};
 use crate::connection::RETRY;
 use crate::connection::arrival::{Arrival, Arrivals};
 use crate::connection::link::is_silence;

@@ -3,7 +3,7 @@
 //!
 //! It sends no remote frames, and takes none.
 
-use super::{Arrived, Connect, Failure, Protocol, Read, Stamped, Write};
+use super::bus::{Arrived, Connect, Failure, Protocol, Read, Stamped, Write};
 use crate::connection::link::{Link, connect, is_silence};
 use canvass_traces::{CanId, ErrorClass, Frame, Timestamp};
 use std::io;

@@ -131,6 +131,11 @@ pub fn open_seeded_at(address: &str, seed: u64, node: Option<NodeId>) -> Result<
             let bus = Box::new(canvass_bus::slcan::python::open(&interface, &channel, bit_rate)?);
             Ok(Opened { bus, model: None, devices: Vec::new() })
         }
+        #[cfg(target_family = "wasm")]
+        BusAddress::Network(_) => {
+            Err(BusError::Unavailable { address: address.to_owned(), interface: "a bus over a network" })
+        }
+        #[cfg(not(target_family = "wasm"))]
         BusAddress::Network(address) => {
             let bus = Box::new(canvass_bus::network::NetworkBus::open(&address)?);
             Ok(Opened { bus, model: None, devices: Vec::new() })

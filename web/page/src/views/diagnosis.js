@@ -14,8 +14,10 @@ export function diagnosisView(app, root) {
   const time = element("span", { class: "shown" });
   const view = { refresh, shown: show, point };
 
-  async function fill() {
+  async function fill(summary) {
     const html = await app.engine.call("diagnosis", { form: "html" });
+    // Other captures were opened meanwhile.
+    if (summary !== app.summary) return;
     page = frame("Diagnosis", html);
     page.addEventListener("load", () => {
       performance.measure("canvass-diagnosis", "canvass-open");
@@ -25,7 +27,7 @@ export function diagnosisView(app, root) {
     });
     const buttons = FORMS.map(([form, ending]) => button(form, () => download(form, ending), { class: "plain" }));
     const bar = element("div", { class: "bar" }, element("span", {}, "Save as "), button("html", () => save("diagnosis.html", html, "text/html"), { class: "plain" }), buttons, time);
-    root.replaceChildren(...[bar, damage(app.summary), page].filter(Boolean));
+    root.replaceChildren(...[bar, damage(summary), page].filter(Boolean));
   }
 
   async function download(form, ending) {
@@ -42,7 +44,7 @@ export function diagnosisView(app, root) {
   async function show() {
     if (!app.summary || shown === app.summary) return;
     shown = app.summary;
-    await fill();
+    await fill(shown);
   }
 
   /** Moves the cursor in the timeline and the plots of the report to the time of another view. */

@@ -11,21 +11,25 @@ export function resultsView(app, root) {
     const read = app.results.map(([name, bytes]) => ({ name, bytes, known: parse(bytes) }));
     const tests = read.filter(({ known }) => known?.schema?.startsWith("canvass/test/"));
     const pairs = tests.map(({ name, bytes }) => [name, bytes]);
-    const cards = read.map((one) => card(one));
+    const cards = [];
     if (tests.length === 2) cards.push(button("Compare both", () => report("compare", pairs)));
     if (tests.length > 1) cards.push(button("History of all", () => report("history", pairs)));
-    cards.push(button("Remove all", () => {
-      app.results = [];
-      fill();
-    }));
+    if (read.length > 1) cards.push(button("Remove all", () => keep([])));
+    cards.push(...read.map((one) => card(one)));
     root.replaceChildren(element("div", { class: "cards" }, cards), page);
     if (tests.length === 2) report("compare", pairs);
     else if (tests.length > 2) report("history", pairs);
     else show(read.at(-1));
   }
 
+  function keep(results) {
+    app.results = results;
+    fill();
+  }
+
   function card(one) {
-    return element("div", { class: "card" }, button(one.name, () => show(one), { class: "link" }), element("p", {}, told(one.known)));
+    const remove = button("Remove", () => keep(app.results.filter(([name]) => name !== one.name)), { class: "plain", "aria-label": `Remove ${one.name}` });
+    return element("div", { class: "card" }, button(one.name, () => show(one), { class: "link" }), element("p", {}, told(one.known)), remove);
   }
 
   async function report(call, results) {

@@ -57,18 +57,26 @@ export function signalsView(app, root) {
       if (!column.name.toLowerCase().includes(wanted)) return [];
       const box = element("input", { type: "checkbox", checked: chosen.includes(n) });
       box.addEventListener("change", () => toggle(n, box.checked));
-      const swatch = element("span", { class: "swatch" });
-      swatch.style.background = chosen.includes(n) ? COLOURS[chosen.indexOf(n)] : "transparent";
-      return [element("label", { title: counted(column.values, "value") }, box, swatch, column.name)];
+      return [element("label", { title: counted(column.values, "value"), "data-column": n }, box, element("span", { class: "swatch" }), column.name)];
     });
     choice.replaceChildren(element("legend", { class: "unseen" }, "Signals to draw"), ...boxes);
+    paint();
+  }
+
+  /** Shows which signals are drawn, and in which colour. The boxes stay, and with them the focus. */
+  function paint() {
+    for (const label of choice.querySelectorAll("label")) {
+      const place = chosen.indexOf(Number(label.dataset.column));
+      label.querySelector("input").checked = place >= 0;
+      label.querySelector(".swatch").style.background = place >= 0 ? COLOURS[place] : "transparent";
+    }
   }
 
   function toggle(column, on) {
     chosen = on ? [...chosen, column].slice(-COLOURS.length) : chosen.filter((other) => other !== column);
     // The address contains the positions of the columns, as their names are data of the capture.
     app.state.set({ signals: chosen.join(",") });
-    list();
+    paint();
     draw();
   }
 

@@ -21,8 +21,12 @@ export function traceView(app, root) {
   const status = element("span", { class: "shown", role: "status" });
   const mistake = element("pre", { id: "filter-mistake", class: "mistake", hidden: true });
   const filter = input("filter", "Filter, such as service=sdo and node in 1..8", { "aria-describedby": "filter-mistake" });
-  const search = input("search", "Search the meaning", { type: "search" });
-  const jump = input("jump", "Go to [s]", { inputmode: "decimal" });
+  const search = input("search", "Search meaning, CAN-ID, data", { type: "search" });
+  const jump = input("jump", "Go to [s]", { title: "Seconds since the first frame or as in the capture, or the time of day in UTC, such as 22:13:45" });
+  /** What became of the last search or jump. */
+  const outcome = element("span", { class: "outcome", role: "status" });
+  /** What the outcome will be when the row that was found is chosen. */
+  let told = "";
   const details = element("aside", { id: "details", "aria-label": "The frame chosen" });
   const grid = element("div", { id: "frames", class: "list" });
   const time = overview((seconds) => jumpTo(seconds));
@@ -41,7 +45,7 @@ export function traceView(app, root) {
     const on = button("▼", find(false), { class: "plain", "aria-label": "Find the next" });
     const words = suggest(filter, (text) => app.engine.call("completions", { text }));
     root.replaceChildren(
-      element("div", { class: "bar" }, words, element("span", { class: "find" }, search, back, on), jump, columns(), status),
+      element("div", { class: "bar" }, words, element("span", { class: "find" }, search, back, on), jump, outcome, columns(), status),
       mistake,
       time.root,
       element("div", { class: "trace" }, element("div", { class: "table" }, grid), details),
@@ -49,7 +53,9 @@ export function traceView(app, root) {
     filter.value = app.state.get("filter") ?? "";
     filter.addEventListener("input", () => select());
     search.addEventListener("keydown", (event) => event.key === "Enter" && look(event.shiftKey));
-    jump.addEventListener("keydown", (event) => event.key === "Enter" && jumpTo(Number(jump.value.replace(",", "."))));
+    search.addEventListener("input", () => outcome.replaceChildren());
+    jump.addEventListener("input", () => outcome.replaceChildren());
+    jump.addEventListener("keydown", (event) => event.key === "Enter" && jumpToTyped());
     root.addEventListener("keydown", shortcut);
     hide();
   }
@@ -98,9 +104,18 @@ export function traceView(app, root) {
     row.classList.toggle("bad", known?.bad ?? false);
   }
 
+  /** Goes to a time as it was typed. */
+  async function jumpToTyped() {
+    const seconds = typedTime(jump.value, app.summary?.start ?? 0);
+    outcome.textContent = Number.isNaN(seconds) ? "expected seconds, such as 12.5, or a time of day, such as 22:13:45" : "";
+    await jumpTo(seconds);
+  }
+
   /** Selects a row; `quiet`: another view has moved the cursor to its time. */
   async function choose(row, quiet) {
-    app.state.set({ row: row.row || "" });
+    outcome.textContent = told;
+    told = "";
+    app.state.set({ row: row.row });
     time.set(Number(row.time));
     if (!quiet) app.point(Number(row.time), view);
     const known = await app.engine.call("details", { row: row.row });
@@ -118,12 +133,19 @@ export function traceView(app, root) {
 
   async function look(backwards) {
     if (!search.value || list.length === 0) return;
-    const row = Number(app.state.get("row") ?? 0);
-    const args = { text: search.value, from: row, backwards };
-    const end = await app.run("find", "find", args, "Searching");
+    const asked = { filter: app.state.get("filter") ?? "", text: search.value, backwards };
+    const from = app.state.get("row") === undefined ? undefined : Number(app.state.get("row"));
+    let end = await app.run("find", "find", { ...asked, from }, "Searching");
     if (!end) return;
-    if (typeof end.found === "number") await goTo(end.found);
-    else app.say(`"${search.value}" is in no frame ${backwards ? "before" : "after"} this one`);
+    told = "";
+    if (typeof end.found !== "number" && from !== undefined) {
+      end = await app.run("find", "find", asked, "Searching");
+      if (!end) return;
+      told = backwards ? "on from the end" : "on from the beginning";
+    }
+    if (typeof end.found === "number") return goTo(end.found);
+    told = "";
+    outcome.textContent = asked.filter ? "in no frame that passes the filter" : "in no frame";
   }
 
   /** Applies the filter; a wrong filter leaves the rows unchanged. */
@@ -148,7 +170,19 @@ export function traceView(app, root) {
       told = true;
     };
     const end = await app.engine.call("choose", { filter: text, text: "" }, tell);
-    if (!end.cancelled) tell(end);
+    if (end.cancelled) return;
+    tell(end);
+    await keep();
+  }
+
+  /** Keeps the chosen frame after the filter has changed: selected if it passes, otherwise its place. */
+  async function keep() {
+    const chosen = app.state.get("row");
+    if (chosen === undefined || list.length === 0) return;
+    const at = await app.engine.call("rank", { row: Number(chosen) });
+    const passes = at < list.length && (await list.row(at))?.row === Number(chosen);
+    list.place(at, passes);
+    outcome.textContent = passes ? "" : "the frame chosen does not pass the filter";
   }
 
   function refresh() {
@@ -175,6 +209,7 @@ export function traceView(app, root) {
       await select();
       const row = Number(app.state.get("row") ?? 0);
       if (row > 0 && waiting === null) await goTo(row);
+      if (waiting === null && row === 0) list.place(0, app.state.get("row") !== undefined);
       if (app.summary.leftOut > 0) app.say(`The list holds the first ${count(app.summary.frames)} frames; the diagnosis has all`);
     }
     const filtered = app.state.get("filter") ?? "";
@@ -189,4 +224,21 @@ export function traceView(app, root) {
 
   build();
   return view;
+}
+
+/** Seconds since the first frame, from seconds since it, seconds as in the capture, or a time of day in UTC; `start` is the time of
+ * the first frame. NaN if it is no time. */
+export function typedTime(text, start) {
+  const typed = text.trim().replace(",", ".");
+  const clock = /^(\d{1,2}):(\d{2})(?::(\d{2}(?:\.\d+)?))?$/.exec(typed);
+  if (clock) {
+    const [hours, minutes, seconds] = clock.slice(1).map((part) => Number(part ?? 0));
+    const day = 86_400;
+    const wanted = hours * 3_600 + minutes * 60 + seconds - (start % day);
+    // The first such time in the capture.
+    return wanted < -1e-6 ? wanted + day : Math.max(0, wanted);
+  }
+  const seconds = typed === "" ? NaN : Number(typed);
+  // A recording lasts less than the time since 1970.
+  return seconds >= start && start > 1e8 ? seconds - start : seconds;
 }

@@ -92,6 +92,8 @@ impl Page {
             "leftOut": opened.store.left_out(),
             "formats": formats,
             "channels": opened.input.merge().channels().names().map(|name| printable(name).into_owned()).collect::<Vec<_>>(),
+            // Seconds since 1970, or since the start of the recording where the capture does not tell it.
+            "start": opened.store.start().unwrap_or_default().nanos() as f64 / 1e9,
             "damages": opened.input.damages(),
             "damage": told,
             "errors": errors, "warnings": warnings, "notes": notes,

@@ -126,13 +126,16 @@ impl Page {
         Ok(row_at(store, start + Duration((seconds.max(0.0) * 1e9).round() as u64)) as u32)
     }
 
-    /// Begins to search for a text after a row, or before it.
+    /// Begins to search for a text in the rows that pass a filter, after a row or before it; without a row in all of
+    /// them.
     ///
     /// # Errors
-    /// If no capture is open.
-    pub fn find(&mut self, text: &str, from: u32, backwards: bool) -> Answer<()> {
+    /// If no capture is open, or the filter is wrong.
+    pub fn find(&mut self, expression: &str, text: &str, from: Option<u32>, backwards: bool) -> Answer<()> {
+        let filter = filter(expression).map_err(error)?;
         let opened = self.opened.as_ref().ok_or_else(|| error("no capture is open"))?;
-        self.search = Some(Search::new(Wanted::new(None, text), &opened.store, from as usize, backwards));
+        let from = from.map(|from| from as usize);
+        self.search = Some(Search::new(Wanted::new(filter, text), &opened.store, from, backwards));
         Ok(())
     }
 

@@ -14,9 +14,17 @@ pub struct Wanted {
 }
 
 impl Wanted {
-    /// Criteria for rows that pass the filter, if there is one, and contain the text.
+    /// Criteria for rows that pass the filter, if there is one, and have the text in their meaning, CAN-ID or data.
     pub fn new(filter: Option<Filter>, text: &str) -> Self {
         Self { filter, text: text.to_lowercase() }
+    }
+
+    /// Whether the frame in the notation `63F#4018100100000000` has the text, whose blanks are left out.
+    fn is_in_frame(&self, step: &Step<'_>) -> bool {
+        let mut shown = step.record.frame.to_string().to_lowercase();
+        let compact: String = self.text.chars().filter(|c| !c.is_whitespace()).collect();
+        shown.retain(|c| !c.is_whitespace());
+        !compact.is_empty() && shown.contains(&compact)
     }
 
     fn has(&self, step: &Step<'_>, channels: &Channels) -> bool {
@@ -24,6 +32,7 @@ impl Wanted {
         let subject = Subject { record, decoded, channel: channels.name(record.channel) };
         self.filter.as_ref().is_none_or(|filter| filter.matches(&subject))
             && (self.text.is_empty()
+                || self.is_in_frame(step)
                 || network.bus(record.channel).is_some_and(|bus| {
                     Meaning::new(record, decoded, bus).to_string().to_lowercase().contains(&self.text)
                 }))
@@ -115,9 +124,13 @@ pub struct Search {
 }
 
 impl Search {
-    /// Begins a search after `from`, or before it.
-    pub fn new(wanted: Wanted, store: &Store, from: usize, backwards: bool) -> Self {
-        let (begin, end) = if backwards { (0, from) } else { (from + 1, store.len()) };
+    /// Begins a search after `from`, or before it; without it among all rows.
+    pub fn new(wanted: Wanted, store: &Store, from: Option<usize>, backwards: bool) -> Self {
+        let (begin, end) = match (from, backwards) {
+            (None, _) => (0, store.len()),
+            (Some(from), true) => (0, from),
+            (Some(from), false) => (from + 1, store.len()),
+        };
         let mut walk = store.walk(begin);
         if let Some(walk) = &mut walk {
             walk.until(store, begin, |_| ControlFlow::Continue(()));
