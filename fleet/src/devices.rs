@@ -99,7 +99,10 @@ impl Devices {
             let known = Arc::new(rule.description.known()?);
             match &rule.who {
                 Who::Nodes(nodes) => {
-                    nodes.iter().filter_map(|&node| NodeId::new(node)).for_each(|node| describe(node, Arc::clone(&known)));
+                    nodes
+                        .iter()
+                        .filter_map(|&node| NodeId::new(node))
+                        .for_each(|node| describe(node, Arc::clone(&known)));
                 }
                 Who::Identity(values) => said.push(Candidate::said(
                     rule.description.name(),

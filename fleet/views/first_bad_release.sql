@@ -7,7 +7,7 @@ WITH releases AS (
     SELECT
         v.id, r.vendor_id, r.product_code, r.software_version,
         min(r.t) AS tested,
-        count(CASE WHEN v.verdict IN ('fail', 'error', 'inconclusive') THEN 1 END) > 0 AS bad
+        count(CASE WHEN v.verdict IN ('fail', 'error') THEN 1 END) > 0 AS bad
     FROM verdicts v
     JOIN runs r ON r.run = v.run
     WHERE v.kind = 'test' AND v.verdict <> 'not_applicable'

@@ -110,13 +110,13 @@ impl Access {
     /// # Errors
     /// [`AccessError`] if the file does not exist or can't be read.
     pub fn open(&self, file: &CaptureFile, hashes: bool) -> Result<(Box<dyn Read + Send>, Notes), AccessError> {
-        let inner: Box<dyn Read + Send> = if is_url(&file.name) {
-            let (store, path) = locate(&self.runtime, &file.name)?;
+        let inner: Box<dyn Read + Send> = if is_url(file.place()) {
+            let (store, path) = locate(&self.runtime, file.place())?;
             Box::new(ObjectReader::new(store, path, file.size, self.handle.clone()))
         } else {
             let unreadable =
                 |error: io::Error| AccessError::Read { name: file.name.clone(), reason: error.to_string() };
-            Box::new(File::open(&file.name).map_err(unreadable)?)
+            Box::new(File::open(file.place()).map_err(unreadable)?)
         };
         let notes = Notes::default();
         notes.with(|noted| noted.digest = hashes.then(Sha256::new));

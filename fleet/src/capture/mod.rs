@@ -14,12 +14,23 @@ use serde::{Deserialize, Serialize};
 /// A file that may be a capture or a result. The type is plain data, so that it can be sent with a plan.
 #[derive(Clone, PartialEq, Eq, PartialOrd, Ord, Hash, Debug, Serialize, Deserialize)]
 pub struct CaptureFile {
-    /// The path as the user gave it, or the URL, such as `s3://bucket/field/a.log`.
+    /// The path as the user gave it, or the URL, such as `s3://bucket/field/a.log`. In a lake the absolute path, with
+    /// the site before it if one is named: `bench-7:/data/a.log`.
     pub name: String,
+    /// The path at which the file is opened; `None` if it is the name.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub path: Option<String>,
     /// The length of the file in bytes.
     pub size: u64,
     /// The time of the last write in nanoseconds since 1970; 0 if unknown.
     pub modified: i64,
+}
+
+impl CaptureFile {
+    /// The path or URL at which the file is opened.
+    pub fn place(&self) -> &str {
+        self.path.as_deref().unwrap_or(&self.name)
+    }
 }
 
 /// Whether a name is the URL of an object store instead of a path.

@@ -121,12 +121,12 @@ fn walk(folder: &Path, matches: &dyn Fn(&Path) -> bool, found: &mut Vec<CaptureF
 fn on_disk_file(name: String, metadata: &std::fs::Metadata) -> CaptureFile {
     let since_1970 = metadata.modified().ok().and_then(|time| time.duration_since(UNIX_EPOCH).ok());
     let modified = since_1970.and_then(|since| i64::try_from(since.as_nanos()).ok()).unwrap_or(0);
-    CaptureFile { name, size: metadata.len(), modified }
+    CaptureFile { name, path: None, size: metadata.len(), modified }
 }
 
 fn in_store_file(name: String, object: &object_store::ObjectMeta) -> CaptureFile {
     let modified = object.last_modified.timestamp_nanos_opt().unwrap_or(0);
-    CaptureFile { name, size: object.size, modified }
+    CaptureFile { name, path: None, size: object.size, modified }
 }
 
 async fn in_store(pattern: &str, runtime: &RuntimeEnv) -> Result<Vec<CaptureFile>, PatternError> {

@@ -112,7 +112,11 @@ pub fn absolute(name: &str) -> Result<String> {
 }
 
 fn absolute_files(files: &Files) -> Result<Files> {
-    let of_file = |file: &CaptureFile| Ok(CaptureFile { name: absolute(&file.name)?, ..file.clone() });
+    let of_file = |file: &CaptureFile| {
+        // A file whose place is told has a name that is no path.
+        let name = if file.path.is_some() { file.name.clone() } else { absolute(&file.name)? };
+        Ok(CaptureFile { name, ..file.clone() })
+    };
     Ok(match files {
         Files::Patterns(patterns) => {
             Files::Patterns(patterns.iter().map(|name| absolute(name)).collect::<Result<_>>()?)

@@ -9,6 +9,7 @@ use canvass_fleet::lake;
 use canvass_fleet::render::{self, Format};
 use canvass_fleet::scan::{CaptureScan, register_files};
 use canvass_fleet::views;
+use datafusion::logical_expr::LogicalPlan;
 use datafusion::physical_plan::{ExecutionPlan, execute_stream};
 use datafusion::prelude::SessionContext;
 use datafusion::sql::parser::{DFParser, Statement};
@@ -106,17 +107,33 @@ impl Answers {
         if statements.is_empty() {
             return Err(anyhow!("there is no statement: expected SQL, such as SELECT * FROM events('a.log')").into());
         }
-        let mut unreadable = 0;
+        let (mut unreadable, mut answers) = (0, 0);
         for statement in statements {
-            unreadable += self.one(statement, out()?).await?;
+            unreadable += self.one(statement, &out, &mut answers).await?;
         }
         Ok(unreadable)
     }
 
-    async fn one(&self, statement: Statement, out: Box<dyn Write + Send>) -> Result<usize, Failure> {
+    async fn one(
+        &self,
+        statement: Statement,
+        out: impl Fn() -> Result<Box<dyn Write + Send>, Failure>,
+        answers: &mut usize,
+    ) -> Result<usize, Failure> {
         let plan = self.session.state().statement_to_plan(statement).await?;
-        let is_told = !plan.schema().fields().is_empty();
+        let is_question = !matches!(plan, LogicalPlan::Ddl(_) | LogicalPlan::Statement(_));
+        let is_told = is_question && !plan.schema().fields().is_empty();
+        *answers += usize::from(is_told);
+        if *answers > 1 && self.format.is_one_document() {
+            let expected = "CSV, Parquet and Arrow hold one answer: expected one statement with an answer, found more";
+            return Err(anyhow!(expected).into());
+        }
         let answer = self.session.execute_logical_plan(plan).await?;
+        if !is_told {
+            answer.collect().await?;
+            return Ok(0);
+        }
+        let out = out()?;
         let plan = answer.create_physical_plan().await?;
         let mut batches = execute_stream(Arc::clone(&plan), self.session.task_ctx())?;
         let mut rendered = render::answer(self.format, &batches.schema(), out)?;
@@ -130,9 +147,7 @@ impl Answers {
             }
             left -= batch.num_rows();
         }
-        if is_told {
-            rendered.finish()?;
-        }
+        rendered.finish()?;
         Ok(tell_unreadable(&plan))
     }
 

@@ -7,6 +7,9 @@ use canvass_traces::Timestamp;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
+/// Two times in nanoseconds since 1970.
+pub type Span = (i64, i64);
+
 /// A capture or result, and the files of the lake that hold its rows.
 #[derive(Clone, PartialEq, Eq, Debug, Serialize, Deserialize)]
 pub struct Entry {
@@ -16,8 +19,8 @@ pub struct Entry {
     pub rules: String,
     /// The SHA-256 of the file in hexadecimal; empty if the file could not be read, so that the next run tries again.
     pub sha256: String,
-    /// The first and the last time of the rows in nanoseconds; `None` if they are not known.
-    pub span: Option<(i64, i64)>,
+    /// The first and the last time of the rows; `None` if they are not known.
+    pub span: Option<Span>,
     /// The name of another file with the same content, whose rows count for both.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub copy_of: Option<String>,
@@ -107,7 +110,7 @@ mod tests {
 
     #[test]
     fn a_name_tells_the_file_and_how_it_was_read() {
-        let file = CaptureFile { name: "a.log".into(), size: 5, modified: 7 };
+        let file = CaptureFile { name: "a.log".into(), path: None, size: 5, modified: 7 };
         let name = part_name(&file, "x");
         assert_eq!(name, part_name(&file, "x"));
         let changed = CaptureFile { modified: 8, ..file.clone() };

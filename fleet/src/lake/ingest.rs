@@ -2,7 +2,7 @@
 
 use super::plan::{IngestSpec, IngestTable};
 use super::{Entry, LakeError, Location, Snapshot, leftovers, rules};
-use crate::capture::{Access, CaptureFile, find};
+use crate::capture::{Access, CaptureFile, find, is_url};
 use crate::devices::Devices;
 use crate::scan::{ScanError, partitions};
 use datafusion::arrow::array::{Array as _, AsArray, RecordBatch};
@@ -26,6 +26,8 @@ pub struct Ingest {
     pub devices: Devices,
     /// Whether files with unchanged length and time are hashed, too.
     pub rehash: bool,
+    /// The place where the files were recorded. Files of two sites with equal paths are different files.
+    pub site: Option<String>,
 }
 
 /// The progress of a run.
@@ -74,7 +76,9 @@ impl Ingest {
         let runtime = session.runtime_env();
         let mut files = Vec::new();
         for source in &self.sources {
-            files.extend(find(source, &runtime).await.map_err(ScanError::from)?);
+            files.extend(
+                find(source, &runtime).await.map_err(ScanError::from)?.into_iter().map(|file| self.named(file)),
+            );
         }
         files.sort();
         files.dedup_by(|one, other| one.name == other.name);
@@ -85,6 +89,21 @@ impl Ingest {
         let todo = run.plan(files, &access, self.rehash).await?;
         run.execute(self, session, todo, tell).await?;
         Ok(run.summary)
+    }
+
+    /// The file under its name in the lake: another spelling of a path is the same file, and the same spelling in
+    /// another folder is another one.
+    fn named(&self, file: CaptureFile) -> CaptureFile {
+        if is_url(&file.name) {
+            return file;
+        }
+        // A file that was deleted meanwhile is reported when it is read.
+        let path =
+            std::fs::canonicalize(&file.name).map_or_else(|_| file.name.clone(), |path| path.display().to_string());
+        match &self.site {
+            Some(site) => CaptureFile { name: format!("{site}:{path}"), path: Some(path), ..file },
+            None => CaptureFile { name: path, ..file },
+        }
     }
 }
 
@@ -109,8 +128,10 @@ impl Run {
     /// The files that have to be read. Known files are counted, copies get their entries.
     async fn plan(&mut self, files: Vec<CaptureFile>, access: &Access, rehash: bool) -> Result<Vec<CaptureFile>> {
         let all = files.len();
-        let changed = self.changed(files, rehash);
+        let mut changed = self.changed(files, rehash);
         self.summary.known = all - changed.len();
+        let left = self.left_copies(&changed);
+        changed.extend(left);
         let hashes = self.hashes(&changed, access).await?;
         let (same, changed): (Vec<_>, Vec<_>) = changed.into_iter().partition(|file| self.is_same(file, &hashes));
         let changing: BTreeSet<&String> = changed.iter().map(|file| &file.name).collect();
@@ -144,6 +165,16 @@ impl Run {
             known(file).and_then(|entry| entry.copy_of.as_ref()).is_some_and(|of| changing.contains(of))
         };
         files.into_iter().filter(|file| changing.contains(&file.name) || is_copy(file)).collect()
+    }
+
+    /// The files whose rows were those of a changed file, and which are not among the files of this run. Their rows
+    /// would be gone, so they are read.
+    fn left_copies(&self, changed: &[CaptureFile]) -> Vec<CaptureFile> {
+        let names: BTreeSet<&String> = changed.iter().map(|file| &file.name).collect();
+        let is_left = |entry: &&Entry| {
+            entry.copy_of.as_ref().is_some_and(|of| names.contains(of)) && !names.contains(&entry.file.name)
+        };
+        self.snapshot.entries.values().filter(is_left).map(|entry| entry.file.clone()).collect()
     }
 
     /// Whether only the time of a file has changed.

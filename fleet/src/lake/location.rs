@@ -6,7 +6,7 @@ use datafusion::execution::object_store::ObjectStoreUrl;
 use datafusion::execution::runtime_env::RuntimeEnv;
 use object_store::ObjectStore;
 use object_store::path::Path as ObjectPath;
-use std::path::{Path, PathBuf};
+use std::path::{Component, Path, PathBuf};
 use std::sync::Arc;
 use url::Url;
 
@@ -32,10 +32,14 @@ impl Location {
             Url::parse(&format!("{}/", text.trim_end_matches('/'))).map_err(|error| wrong(error.to_string()))?
         } else {
             let path = std::path::absolute(Path::new(text)).map_err(|error| wrong(error.to_string()))?;
+            let path = without_parents(&path);
             Url::from_directory_path(path).map_err(|()| wrong("expected a folder".to_owned()))?
         };
         let store = runtime.object_store_registry.get_store(&url).map_err(|error| wrong(error.to_string()))?;
-        let root = ObjectPath::from_url_path(url.path()).map_err(|error| wrong(error.to_string()))?;
+        // The names of folders stay as they are, whatever characters they have.
+        let decoded = percent_encoding::percent_decode_str(url.path()).decode_utf8();
+        let decoded = decoded.map_err(|error| wrong(error.to_string()))?;
+        let root = ObjectPath::parse(decoded.as_ref()).map_err(|error| wrong(error.to_string()))?;
         Ok(Self { url, store, root })
     }
 
@@ -58,4 +62,18 @@ impl Location {
         let wrong = |reason: String| LakeError::Place { place: self.url.to_string(), reason };
         ObjectStoreUrl::parse(base).map_err(|error| wrong(error.to_string()))
     }
+}
+
+/// The path without `..`. Of an existing folder it is the true path; otherwise `..` means the folder as it is written.
+fn without_parents(path: &Path) -> PathBuf {
+    let lexical = || {
+        path.components().fold(PathBuf::new(), |mut made, part| {
+            match part {
+                Component::ParentDir => _ = made.pop(),
+                other => made.push(other),
+            }
+            made
+        })
+    };
+    path.canonicalize().unwrap_or_else(|_| lexical())
 }

@@ -10,7 +10,7 @@ mod parquet;
 mod plan;
 mod provider;
 
-pub use entry::{Entry, Part, day, part_name, rules};
+pub use entry::{Entry, Part, Span, day, part_name, rules};
 pub use ingest::{Ingest, Progress, Summary};
 pub use location::Location;
 pub use log::Snapshot;

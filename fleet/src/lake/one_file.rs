@@ -1,7 +1,7 @@
 //! Puts one file into the lake; the file is read once, for all tables.
 
 use super::parquet::{Folder, ParquetFile};
-use super::{Entry, Location, Part, part_name};
+use super::{Entry, Location, Part, Span, part_name};
 use crate::capture::{CaptureFile, Reading, Seen, Unreadable};
 use crate::scan::diagnosed::{self, Diagnosing};
 use crate::scan::emit::{Emitter, Wanted};
@@ -13,7 +13,7 @@ use crate::table::captures::Captures;
 use crate::table::column::{Rows, nanos};
 use crate::table::events::Events;
 use canvass_tables::event_collector::EventCollector;
-use canvass_traces::{Quality, Timestamp};
+use canvass_traces::Timestamp;
 use datafusion::arrow::datatypes::SchemaRef;
 use tokio::runtime::Handle;
 
@@ -147,7 +147,7 @@ impl Ingester<'_> {
         if is_damaged {
             diagnosing.take(Seen::Damage, &mut reading)?;
         }
-        let mut parts = self.frames(file, &mut reading, seen, &folder, &mut diagnosing)?;
+        let (mut parts, span) = self.frames(file, &mut reading, seen, &folder, &mut diagnosing)?;
         let found = diagnosing.finish(&reading)?;
         for table in [Table::Findings, Table::Nodes, Table::Statistics] {
             let (whole, mut parquet) = (Whole::new(table), ParquetFile::new(&folder, table));
@@ -158,11 +158,12 @@ impl Ingester<'_> {
         parts.extend(self.table::<Captures>(Table::Captures, &folder, |emitter| {
             emitter.row(&capture_row(file, &reading, sha256.as_deref())).map(|_| ())
         })?);
-        let (span, reason) = (span(reading.quality()), reading.stopped().map(str::to_owned));
+        let reason = reading.stopped().map(str::to_owned);
         Ok(Entry { span, reason, parts, ..self.entry(file, sha256.unwrap_or_default()) })
     }
 
-    /// Writes the tables with rows for frames; `seen` is the first item, which was read already.
+    /// Writes the tables with rows for frames; `seen` is the first item, which was read already. Returns the first and
+    /// the last time of all rows, too: salvaged frames and those of a clock that was set may have any.
     fn frames(
         &self,
         file: &CaptureFile,
@@ -170,7 +171,8 @@ impl Ingester<'_> {
         mut seen: Option<Seen>,
         folder: &Folder,
         diagnosing: &mut Diagnosing,
-    ) -> Result<Vec<Part>, ScanError> {
+    ) -> Result<(Vec<Part>, Option<Span>), ScanError> {
+        let mut span: Option<Span> = None;
         let wholes = [Table::Messages, Table::Signals, Table::Events].map(Whole::new);
         let [mut messages, mut signals, mut events] =
             [Table::Messages, Table::Signals, Table::Events].map(|table| ParquetFile::new(folder, table));
@@ -181,6 +183,8 @@ impl Ingester<'_> {
         while let Some(what) = seen {
             if what != Seen::Damage {
                 let (record, channels) = (reading.record(), reading.merge().channels());
+                let now = nanos(record.timestamp);
+                span = Some(span.map_or((now, now), |(first, last)| (first.min(now), last.max(now))));
                 let decoded = &network.handle(record);
                 if let Some(bus) = network.bus(record.channel) {
                     let frame = DecodedFrame { capture: &file.name, record, channels, decoded, bus };
@@ -199,12 +203,6 @@ impl Ingester<'_> {
         to_signals.finish()?;
         to_events.finish()?;
         let finished = [messages.finish()?, signals.finish()?, events.finish()?];
-        Ok(finished.into_iter().flatten().collect())
+        Ok((finished.into_iter().flatten().collect(), span))
     }
-}
-
-/// The first and the last time; `None` if the clock of the capture jumps.
-fn span(quality: &Quality) -> Option<(i64, i64)> {
-    let (first, last) = (quality.first?, quality.last?);
-    (quality.steps.count == 0).then(|| (nanos(first), nanos(last)))
 }

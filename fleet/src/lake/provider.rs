@@ -101,8 +101,11 @@ impl LakeTable {
     }
 
     fn partitioned(&self, file: &File) -> PartitionedFile {
-        let path = self.location.path(&file.part.path()).to_string();
-        PartitionedFile::new(path, file.part.bytes).with_partition_values(vec![ScalarValue::Date32(Some(file.days))])
+        let path = self.location.path(&file.part.path());
+        let mut file_of = PartitionedFile::new(path.to_string(), file.part.bytes);
+        // The path as text was encoded a second time.
+        file_of.object_meta.location = path;
+        file_of.with_partition_values(vec![ScalarValue::Date32(Some(file.days))])
     }
 }
 

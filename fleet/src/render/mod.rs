@@ -27,6 +27,11 @@ pub enum Format {
 }
 
 impl Format {
+    /// Whether a file of the format holds one answer.
+    pub const fn is_one_document(self) -> bool {
+        matches!(self, Self::Csv | Self::Parquet | Self::Arrow)
+    }
+
     /// Whether the format is not for terminals.
     pub const fn is_binary(self) -> bool {
         matches!(self, Self::Parquet | Self::Arrow)

@@ -4,7 +4,7 @@
 //! plan. If Ballista did not know the kind of the plan, each task would get all partitions.
 
 use crate::capture::CaptureFile;
-use datafusion::arrow::array::{ArrayRef, AsArray as _, Int64Array, RecordBatch, StringArray, UInt64Array};
+use datafusion::arrow::array::{Array as _, ArrayRef, AsArray as _, Int64Array, RecordBatch, StringArray, UInt64Array};
 use datafusion::arrow::datatypes::{DataType, Field, Int64Type, Schema, SchemaRef, UInt64Type};
 use datafusion::datasource::memory::MemorySourceConfig;
 use datafusion::datasource::source::DataSourceExec;
@@ -57,9 +57,13 @@ macro_rules! reads_files {
 pub(crate) use reads_files;
 
 fn schema() -> SchemaRef {
-    let column = |name, kind| Field::new(name, kind, false);
-    let columns = [("name", DataType::Utf8), ("size", DataType::UInt64), ("modified", DataType::Int64)];
-    Arc::new(Schema::new(columns.map(|(name, kind)| column(name, kind)).to_vec()))
+    let columns = [
+        Field::new("name", DataType::Utf8, false),
+        Field::new("path", DataType::Utf8, true),
+        Field::new("size", DataType::UInt64, false),
+        Field::new("modified", DataType::Int64, false),
+    ];
+    Arc::new(Schema::new(columns.to_vec()))
 }
 
 /// Files as a plan: a partition for each list.
@@ -77,9 +81,10 @@ pub fn plan(partitions: &[Vec<CaptureFile>]) -> Result<Arc<dyn ExecutionPlan>> {
 
 fn batch(files: &[CaptureFile]) -> Result<RecordBatch> {
     let names: ArrayRef = Arc::new(files.iter().map(|file| Some(&*file.name)).collect::<StringArray>());
+    let paths: ArrayRef = Arc::new(files.iter().map(|file| file.path.as_deref()).collect::<StringArray>());
     let sizes: ArrayRef = Arc::new(files.iter().map(|file| file.size).collect::<UInt64Array>());
     let modified: ArrayRef = Arc::new(files.iter().map(|file| file.modified).collect::<Int64Array>());
-    Ok(RecordBatch::try_new(schema(), vec![names, sizes, modified])?)
+    Ok(RecordBatch::try_new(schema(), vec![names, paths, sizes, modified])?)
 }
 
 /// The files in one partition of a [`plan`] of files. The call blocks.
@@ -90,13 +95,16 @@ pub fn listed(input: SendableRecordBatchStream, handle: &Handle) -> Result<Vec<C
     let batches: Vec<RecordBatch> = handle.block_on(input.try_collect())?;
     let mut files = Vec::new();
     for batch in &batches {
-        let other = || DataFusionError::Plan("expected a plan of files: their names, sizes and times".to_owned());
-        let columns = (batch.num_columns() == 3).then(|| [0, 1, 2].map(|at| batch.column(at))).ok_or_else(other)?;
+        let other =
+            || DataFusionError::Plan("expected a plan of files: their names, paths, sizes and times".to_owned());
+        let columns = (batch.num_columns() == 4).then(|| [0, 1, 2, 3].map(|at| batch.column(at))).ok_or_else(other)?;
         let names = columns[0].as_string_opt::<i32>().ok_or_else(other)?;
-        let sizes = columns[1].as_primitive_opt::<UInt64Type>().ok_or_else(other)?;
-        let modified = columns[2].as_primitive_opt::<Int64Type>().ok_or_else(other)?;
+        let paths = columns[1].as_string_opt::<i32>().ok_or_else(other)?;
+        let sizes = columns[2].as_primitive_opt::<UInt64Type>().ok_or_else(other)?;
+        let modified = columns[3].as_primitive_opt::<Int64Type>().ok_or_else(other)?;
         let file = |row| CaptureFile {
             name: names.value(row).to_owned(),
+            path: paths.is_valid(row).then(|| paths.value(row).to_owned()),
             size: sizes.value(row),
             modified: modified.value(row),
         };

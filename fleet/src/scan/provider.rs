@@ -156,8 +156,9 @@ mod tests {
 
     #[test]
     fn every_file_is_in_one_partition() {
-        let files: Vec<CaptureFile> =
-            (0..100_u64).map(|n| CaptureFile { name: format!("{n}.log"), size: n * 1_000_000, modified: 0 }).collect();
+        let files: Vec<CaptureFile> = (0..100_u64)
+            .map(|n| CaptureFile { name: format!("{n}.log"), path: None, size: n * 1_000_000, modified: 0 })
+            .collect();
         assert_eq!(partitions(files.clone(), 100).len(), 100);
         let shared = partitions(files.clone(), 8);
         let sizes: Vec<u64> = shared.iter().map(|files| files.iter().map(|file| file.size).sum()).collect();

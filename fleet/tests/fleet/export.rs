@@ -61,3 +61,19 @@ fn what_is_no_capture_is_no_success() {
     assert!(std::fs::read_to_string(&file).unwrap().lines().count() > 2, "the other one is written");
     assert_eq!(run(&["decode", "no such file"]).status.code(), Some(2));
 }
+
+/// A file of one answer is not written with two, one behind the other.
+#[test]
+fn two_answers_are_no_document() {
+    let folder = tempfile::tempdir().unwrap();
+    let two = "SELECT 1 AS a; SELECT 2 AS b";
+    for format in ["csv", "parquet", "arrow"] {
+        let file = folder.path().join(format);
+        let ended = run(&["sql", two, "--format", format, "--output", &file.display().to_string()]);
+        assert_eq!(ended.status.code(), Some(2), "{format}");
+        assert!(String::from_utf8_lossy(&ended.stderr).contains("hold one answer"), "{ended:?}");
+        assert!(!file.exists(), "{format}");
+    }
+    assert_eq!(said(&["sql", two, "--format", "json"]), "{\"a\":1}\n{\"b\":2}\n");
+    assert_eq!(said(&["sql", "CREATE VIEW one AS SELECT 1 AS a; SELECT a FROM one", "--format", "csv"]), "a\n1\n");
+}

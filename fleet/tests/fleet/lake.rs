@@ -25,7 +25,7 @@ async fn ingest(source: &Path, lake: &Path) -> Summary {
 
 async fn ingest_with(source: &Path, lake: &Path, devices: Devices) -> Summary {
     let (sources, lake) = (vec![source.display().to_string()], lake.display().to_string());
-    Ingest { sources, lake, devices, rehash: false }.run(&session(), &mut |_| {}).await.unwrap()
+    Ingest { sources, lake, devices, rehash: false, site: None }.run(&session(), &mut |_| {}).await.unwrap()
 }
 
 async fn rows(session: &SessionContext, statement: &str) -> Vec<Value> {
@@ -275,4 +275,93 @@ async fn files_are_found_in_the_order_of_their_names() {
     let names: Vec<&str> = found.iter().map(|file: &CaptureFile| file.name.rsplit('/').next().unwrap()).collect();
     assert_eq!(names, ["broken.log", "commissioning.log", "empty.log", "python-can.asc"]);
     assert!(find("/nowhere/*.log", &session().runtime_env()).await.is_err());
+}
+
+/// The number of frames of each capture, by the end of its name.
+async fn frames_of(lake: &Path) -> Vec<(String, i64)> {
+    let session = open(lake).await;
+    let statement = "SELECT arrow_cast(capture, 'Utf8') AS capture, count(*) AS frames FROM frames \
+                     GROUP BY capture ORDER BY capture";
+    let of = |row: &Value| (row["capture"].as_str().unwrap().to_owned(), row["frames"].as_i64().unwrap());
+    rows(&session, statement).await.iter().map(of).collect()
+}
+
+fn log(frames: usize) -> String {
+    (0..frames).map(|n| format!("({}.000000) can0 705#05\n", 1_738_061_235 + n)).collect()
+}
+
+async fn ingest_at(source: &str, lake: &Path, site: Option<&str>) -> Summary {
+    let (sources, lake) = (vec![source.to_owned()], lake.display().to_string());
+    let ingest = Ingest { sources, lake, devices: Devices::default(), rehash: false, site: site.map(str::to_owned) };
+    ingest.run(&session(), &mut |_| {}).await.unwrap()
+}
+
+/// A file is its absolute path: another spelling adds nothing, an equal name in another folder replaces nothing, and
+/// two sites with equal paths are two files.
+#[tokio::test(flavor = "multi_thread")]
+async fn a_file_has_one_identity() {
+    let (source, lake) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    for (folder, frames) in [("one", 3), ("two", 5)] {
+        std::fs::create_dir(source.path().join(folder)).unwrap();
+        std::fs::write(source.path().join(folder).join("a.log"), log(frames)).unwrap();
+    }
+    let at = |path: &str| source.path().join(path).display().to_string();
+    assert_eq!(ingest_at(&at("one"), lake.path(), None).await.added, 1);
+    assert_eq!(ingest_at(&at("two/../one/a.log"), lake.path(), None).await.known, 1);
+    assert_eq!(ingest_at(&at("two"), lake.path(), None).await.added, 1);
+    let counts: Vec<i64> = frames_of(lake.path()).await.into_iter().map(|(_, frames)| frames).collect();
+    assert_eq!(counts, [3, 5]);
+    std::fs::write(source.path().join("one/a.log"), log(4)).unwrap();
+    assert_eq!(ingest_at(&at("one"), lake.path(), Some("bench-7")).await.added, 1);
+    let found = frames_of(lake.path()).await;
+    assert_eq!(found.iter().map(|(_, frames)| *frames).collect::<Vec<_>>(), [3, 5, 4]);
+    assert!(found[2].0.starts_with("bench-7:/") && found[2].0.ends_with("/one/a.log"), "{found:?}");
+}
+
+/// The rows of a copy are those of its original until that changes, also if the copy is not among the sources.
+#[tokio::test(flavor = "multi_thread")]
+async fn a_copy_keeps_its_rows() {
+    let (source, lake) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    for name in ["a.log", "b.log"] {
+        std::fs::write(source.path().join(name), log(3)).unwrap();
+    }
+    let at = |path: &str| source.path().join(path).display().to_string();
+    let both = ingest_at(&source.path().display().to_string(), lake.path(), None).await;
+    assert_eq!((both.added, both.copies), (1, 1));
+    std::fs::write(source.path().join("a.log"), log(7)).unwrap();
+    let changed = ingest_at(&at("a.log"), lake.path(), None).await;
+    assert!(changed.broken.is_empty(), "{changed:?}");
+    let counts: Vec<i64> = frames_of(lake.path()).await.into_iter().map(|(_, frames)| frames).collect();
+    assert_eq!(counts, [7, 3]);
+}
+
+#[tokio::test(flavor = "multi_thread")]
+async fn a_lake_may_lie_anywhere() {
+    let source = tempfile::tempdir().unwrap();
+    std::fs::write(source.path().join("a.log"), log(3)).unwrap();
+    for name in ["ü", "#1", "100%", "a[1]", "{x}", "~y", "a b", "%41"] {
+        let folder = tempfile::tempdir().unwrap();
+        let lake = folder.path().join(name);
+        ingest(source.path(), &lake).await;
+        assert_eq!(frames_of(&lake).await[0].1, 3, "{name}");
+        assert!(lake.join("messages").is_dir(), "{name}: the lake is in its folder");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::create_dir(folder.path().join("here")).unwrap();
+    let around = folder.path().join("here/../lake");
+    ingest(source.path(), &around).await;
+    assert_eq!(frames_of(&folder.path().join("lake")).await[0].1, 3);
+}
+
+/// A clock that was set back: the filter by time finds what lies before the first frame.
+#[tokio::test(flavor = "multi_thread")]
+async fn a_time_is_found_wherever_it_stands() {
+    let (source, lake) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let text = "(1738061235.000000) can0 705#05\n(1738051235.000000) can0 705#04\n(1738061236.000000) can0 705#7F\n";
+    std::fs::write(source.path().join("a.log"), text).unwrap();
+    ingest(source.path(), lake.path()).await;
+    let session = open(lake.path()).await;
+    let before =
+        "SELECT count(*) AS n FROM frames WHERE t < arrow_cast(1738061235000000000, 'Timestamp(Nanosecond, None)')";
+    assert_eq!(rows(&session, before).await[0]["n"], 1);
 }

@@ -25,7 +25,8 @@ fn conditions() -> impl Strategy<Value = Condition> {
 
 fn files() -> impl Strategy<Value = Vec<CaptureFile>> {
     let file = (".*", any::<u64>(), any::<i64>()).prop_map(|(name, size, modified)| CaptureFile {
-        name: format!("/{name}"),
+        path: (size % 2 == 0).then(|| format!("/{name}")),
+        name: if size % 2 == 0 { format!("bench:/{name}") } else { format!("/{name}") },
         size,
         modified,
     });
