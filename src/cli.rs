@@ -23,7 +23,7 @@ pub struct Cli {
     #[arg(long, global = true, value_enum, default_value_t, value_name = "WHEN")]
     color: Color,
     #[command(subcommand)]
-    command: Command,
+    command: Option<Command>,
 }
 
 #[derive(Subcommand)]
@@ -55,6 +55,8 @@ enum Command {
     Lsp(commands::lsp::Args),
     Fleet(commands::fleet::Args),
     Doctor(commands::doctor::Args),
+    Tour(commands::tour::Args),
+    Examples(commands::examples::Args),
     Config(commands::config::Args),
     List(commands::list::Args),
     Explain(commands::explain::Args),
@@ -86,7 +88,8 @@ impl Cli {
 
     /// Runs the chosen subcommand.
     pub fn run(self, typed: &Typed) -> Result<Status, Failure> {
-        match self.command {
+        let Some(command) = self.command else { return commands::welcome::run() };
+        match command {
             Command::Decode(args) => args.run(self.color),
             Command::Diagnose(args) => args.run(self.color, typed),
             Command::Signals(args) => args.run(),
@@ -113,6 +116,8 @@ impl Cli {
             Command::Lsp(args) => args.run(),
             Command::Fleet(args) => args.run(),
             Command::Doctor(args) => args.run(),
+            Command::Tour(args) => args.run(),
+            Command::Examples(args) => args.run(),
             Command::Config(args) => args.run(),
             Command::Convert(args) => args.run(),
             Command::Completions(args) => args.run(),

@@ -57,6 +57,20 @@ impl Args {
     }
 }
 
+/// The addresses of the buses that this computer seems to have. Adapters that need a bit rate get a usual one.
+pub fn buses() -> Vec<String> {
+    #[cfg(target_os = "linux")]
+    let mut buses = canvass_bus::socketcan::Link::can_interfaces();
+    #[cfg(not(target_os = "linux"))]
+    let mut buses = Vec::new();
+    buses.extend(ports().into_iter().map(|port| format!("slcan:{port}@250k")));
+    #[cfg(any(windows, target_os = "linux"))]
+    if let Ok(installed) = canvass_bus::pcan::installed() {
+        buses.extend(installed.channels.iter().map(|present| format!("pcan:{}@250k", present.channel)));
+    }
+    buses
+}
+
 fn read(path: &str) -> Option<String> {
     fs::read_to_string(path).ok().map(|text| text.trim().to_owned())
 }
@@ -140,19 +154,24 @@ fn pcan() -> Option<Finding> {
     None
 }
 
-/// Lists all serial ports of Windows: the system does not tell which are CAN adapters.
+/// All serial ports of Windows: the system does not tell which are CAN adapters.
+#[cfg(windows)]
+fn ports() -> Vec<String> {
+    canvass_bus::slcan::ports()
+}
+
 #[cfg(windows)]
 fn serial_ports() -> Finding {
-    let ports = canvass_bus::slcan::ports();
+    let ports = ports();
     let text = if ports.is_empty() { NO_PORTS.to_owned() } else { ports.join(", ") };
     Finding { what: "serial ports", good: true, text }
 }
 
 const NO_PORTS: &str = "none (slcan:tcp://HOST:PORT works without them)";
 
-/// Lists the serial ports under whose names CAN adapters appear.
+/// The serial ports under whose names CAN adapters appear.
 #[cfg(not(windows))]
-fn serial_ports() -> Finding {
+fn ports() -> Vec<String> {
     let entries = fs::read_dir("/dev").into_iter().flatten().flatten();
     let mut ports: Vec<String> = entries
         .map(|entry| entry.file_name().to_string_lossy().into_owned())
@@ -160,6 +179,12 @@ fn serial_ports() -> Finding {
         .map(|name| format!("/dev/{name}"))
         .collect();
     ports.sort();
+    ports
+}
+
+#[cfg(not(windows))]
+fn serial_ports() -> Finding {
+    let ports = ports();
     let locked = |port: &&String| fs::OpenOptions::new().read(true).write(true).open(port).is_err();
     let denied: Vec<&String> = ports.iter().filter(locked).collect();
     let (good, text) = match (&*ports, &*denied) {

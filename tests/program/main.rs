@@ -111,5 +111,7 @@ mod terminals;
 mod waiting;
 #[cfg(test)]
 mod waivers;
+#[cfg(test)]
+mod welcome;
 #[cfg(all(test, windows))]
 mod windows;

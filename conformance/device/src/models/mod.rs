@@ -212,7 +212,7 @@ impl Model {
     }
 
     /// The text of the EDS; `None` if the model is not built in.
-    pub(crate) fn eds_text(&self) -> Option<&'static str> {
+    pub fn eds_text(&self) -> Option<&'static str> {
         let position = Self::all().iter().position(|model| model.id() == self.id())?;
         FILES.get(position).map(|(eds, _)| *eds)
     }
