@@ -2,10 +2,11 @@
 
 use crate::commands;
 use crate::completion;
-use crate::output::Color;
+use crate::output::{Color, print};
 use crate::provenance::Typed;
 use crate::settings::{self, BUS_VARIABLE, Completed};
 use crate::status::{Failure, Status};
+use canvass_reports::escape::Printable;
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
 use std::ffi::OsString;
 
@@ -13,7 +14,10 @@ const STATUSES: &str = "\
 Exit status: 0 good; 1 findings, failures or violations; 2 wrong usage or unreadable input;
 3 bus or device could not be reached, or no case ran.";
 
-/// CANopen trace analyzer and protocol conformance tester.
+/// CANopen trace analyzer and protocol conformance tester
+///
+/// Without a command it says what can be done with the files of this folder and the buses of this computer.
+/// `canvass --version --verbose` tells how the program was built.
 #[derive(Parser)]
 #[command(name = "canvass", version, propagate_version = true, max_term_width = 100)]
 #[command(disable_help_subcommand = true)]
@@ -78,6 +82,10 @@ impl Cli {
     /// # Errors
     /// If the settings file can't be read or has an error.
     pub fn of_arguments(arguments: Vec<OsString>) -> Result<(Self, Typed), Failure> {
+        if asks_for_build(&arguments) {
+            print(&Printable::document(&build()))?;
+            std::process::exit(Status::Good as i32);
+        }
         let plain = Self::described();
         let Completed { mut command, arguments, set, file } = settings::complete(plain.clone(), arguments)?;
         let matches = command.try_get_matches_from_mut(arguments).unwrap_or_else(|mistake| told(mistake).exit());
@@ -127,6 +135,28 @@ impl Cli {
             Command::Explain(args) => args.run(),
         }
     }
+}
+
+/// Whether the arguments are `--version --verbose`, in any order.
+fn asks_for_build(arguments: &[OsString]) -> bool {
+    let words: Vec<_> = arguments.iter().skip(1).filter_map(|word| word.to_str()).collect();
+    let has = |names: &[&str]| words.iter().any(|word| names.contains(word));
+    words.len() == 2 && has(&["--version", "-V"]) && has(&["--verbose", "-v"])
+}
+
+/// How this program was built.
+fn build() -> String {
+    let features: &[&str] = if cfg!(feature = "screen") { &["screen"] } else { &[] };
+    let libc = if cfg!(target_env = "musl") { "-musl" } else { "" };
+    let optimised = if cfg!(debug_assertions) { "no (a development build)" } else { "yes" };
+    format!(
+        "canvass {}\ncommit     {}\ntarget     {}-{}{libc}\nfeatures   {}\noptimised  {optimised}\n",
+        env!("CARGO_PKG_VERSION"),
+        option_env!("CANVASS_COMMIT").unwrap_or("not recorded: `cargo xtask dist` records it"),
+        std::env::consts::ARCH,
+        std::env::consts::OS,
+        if features.is_empty() { "none".to_owned() } else { features.join(", ") }
+    )
 }
 
 /// Adds to an error about `--format parquet` or `arrow` that canvass-fleet writes these formats.

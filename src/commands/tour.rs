@@ -1,6 +1,6 @@
 //! `canvass tour`: the main commands, one after the other, on a simulated encoder with a fault.
 
-use crate::output::{diagnostic, print};
+use crate::output::{diagnostic, is_terminal, print};
 use crate::status::{Failure, Status};
 use anyhow::{Context, Result, bail};
 use canvass_reports::escape::Printable;
@@ -51,7 +51,7 @@ impl Args {
             Err(anyhow::anyhow!("{folder}/report.html exists already: name another folder"))?;
         }
         fs::create_dir_all(&self.folder).with_context(|| format!("can't make the folder {folder}"))?;
-        let waits = !self.no_pause && io::stdin().is_terminal() && io::stdout().is_terminal();
+        let waits = !self.no_pause && io::stdin().is_terminal() && is_terminal();
         for (number, (what, words)) in (1..).zip(STATIONS) {
             let words: Vec<String> = words.iter().map(|word| word.replace("{}", &folder)).collect();
             let text = format!("\n{number}/{}  {what}\n\n$ canvass {}\n", STATIONS.len(), shown(&words));

@@ -23,6 +23,15 @@ fn without_a_command_it_tells_what_can_be_done_here() {
     assert_eq!(run(&["diagnoes"]).status, 2);
 }
 
+#[test]
+fn how_it_was_built_is_told() {
+    let told = run(&["--version", "--verbose"]);
+    assert_eq!((told.status, &*told.stderr), (0, ""));
+    let names: Vec<&str> = told.stdout.lines().map(|line| line.split(' ').next().unwrap()).collect();
+    assert_eq!(names, ["canvass", "commit", "target", "features", "optimised"]);
+    assert_eq!(run(&["--version"]).stdout.lines().count(), 1);
+}
+
 /// Every command of the examples runs on the example files.
 #[test]
 fn examples_can_be_tried() {

@@ -71,9 +71,19 @@ fn prepare_linux() -> Result<()> {
     target::add(TARGET)
 }
 
+/// The commit of the work tree, which `canvass --version --verbose` tells.
+fn commit() -> String {
+    let told = |args: &[&str]| Command::new("git").args(args).output().ok().filter(|output| output.status.success());
+    let text = |output: std::process::Output| String::from_utf8_lossy(&output.stdout).trim().to_owned();
+    let head = told(&["rev-parse", "--short=12", "HEAD"]).map(text).unwrap_or_default();
+    let is_changed = told(&["status", "--porcelain"]).map(text).is_none_or(|changes| !changes.is_empty());
+    if head.is_empty() || !is_changed { head } else { format!("{head}, changed") }
+}
+
 /// The program with its manual pages and completions, as an archive.
 fn linux() -> Result<Vec<String>> {
-    run("cargo", &["build", "--release", "--locked", "--bin", "canvass", "--target", TARGET])?;
+    let commit = format!("CANVASS_COMMIT={}", commit());
+    run("env", &[&commit, "cargo", "build", "--release", "--locked", "--bin", "canvass", "--target", TARGET])?;
     ensure_static()?;
     lay_out()?;
     Ok(vec![archive()?])
