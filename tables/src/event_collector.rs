@@ -17,7 +17,7 @@ pub struct EventCollector {
 }
 
 impl EventCollector {
-    /// Passes each event of a frame to `emit`. If `emit` breaks or fails, the remaining events are not passed.
+    /// Passes each event of a frame to `emit`, until it returns `Break` or an error.
     ///
     /// # Errors
     /// The errors of `emit`.

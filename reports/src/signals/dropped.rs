@@ -19,10 +19,7 @@ enum Reason {
 
 /// The values that were left out.
 #[derive(Default)]
-pub struct Dropped(BTreeMap<(ChannelId, NodeId, PdoKey, Reason), u64>);
-
-/// The place of a PDO in the list: TPDOs first, by number.
-type PdoKey = String;
+pub struct Dropped(BTreeMap<(ChannelId, NodeId, PdoNumber, Reason), u64>);
 
 /// Maximum number of different values that are told one by one.
 const TOLD: usize = 10;
@@ -39,7 +36,7 @@ impl Dropped {
     pub(super) fn note(&mut self, record: &Record, decoded: &Decoded, pdo: PdoNumber, meaning: &Meaning<'_>) {
         let Some(node) = decoded.node else { return };
         let mut add = |reason| {
-            let key = (record.channel, node, pdo.to_string(), reason);
+            let key = (record.channel, node, pdo, reason);
             if self.0.len() < MOST || self.0.contains_key(&key) {
                 *self.0.entry(key).or_default() += 1;
             }
@@ -60,7 +57,7 @@ impl Dropped {
     /// A line for each kind of value that was left out, such as `node 5 TPDO 3: the mapping is not known (120 PDOs)`.
     pub fn lines(&self, channels: &Channels) -> Vec<String> {
         let several = self.0.keys().any(|(channel, ..)| self.0.keys().next().is_some_and(|first| first.0 != *channel));
-        let line = |((channel, node, pdo, reason), count): (&(ChannelId, NodeId, PdoKey, Reason), &u64)| {
+        let line = |((channel, node, pdo, reason), count): (&(ChannelId, NodeId, PdoNumber, Reason), &u64)| {
             let mut line = if several { format!("{} ", channels.name(*channel)) } else { String::new() };
             // Writing to a string can't fail.
             let _ = write!(line, "node {node} {pdo}: ");

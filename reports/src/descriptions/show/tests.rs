@@ -45,6 +45,21 @@ fn text_has_a_row_for_each_entry_and_a_picture_for_each_pdo() {
     assert!(text.contains(pdo), "{text}");
 }
 
+/// The table has the beginning of a very long value, the details of its object the whole.
+#[test]
+fn a_very_long_value_is_cut_in_the_table() {
+    let long = "x".repeat(400_000);
+    let eds = format!("{EDS}[2002]\nParameterName=Text\nObjectType=7\nDataType=9\nAccessType=ro\nDefaultValue={long}\n");
+    let of = |only: Option<u16>| {
+        let description = DeviceDescription::read(eds.as_bytes()).unwrap();
+        Shown { file: "x.eds".to_owned(), description, node: None, only: only.map(Index) }.text(STYLE)
+    };
+    let whole = of(None);
+    let squeezed: String = whole.chars().filter(|c| !c.is_whitespace() && !"│┆".contains(*c)).collect();
+    assert!(squeezed.contains("…(400002characters)") && whole.len() < 40_000, "{}", whole.len());
+    assert!(of(Some(0x2002)).contains(&long));
+}
+
 #[test]
 fn one_object_is_shown_in_detail() {
     let text = shown(Some(0x1800), NodeId::new(5)).text(STYLE);

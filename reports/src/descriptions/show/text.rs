@@ -49,7 +49,8 @@ fn table(shown: &Shown, style: Style) -> Table {
                 table.add_row(row(object.index.to_string(), cells, true, configured));
             }
             None => {
-                let cells = [Color::Cyan.cell(Cell::new(object.index)), Cell::new(name), Cell::new(object.code)];
+                let name = Cell::new(short(name));
+                let cells = [Color::Cyan.cell(Cell::new(object.index)), name, Cell::new(object.code)];
                 table.add_row(cells);
                 for entry in object.entries() {
                     let place = format!("   :{:02X}", entry.sub.0);
@@ -67,7 +68,20 @@ fn row(place: String, cells: Cells, is_object: bool, configured: bool) -> Vec<Ce
     let texts =
         [cells.name, cells.data_type, cells.access.to_owned(), cells.mapping.to_owned(), cells.default, cells.limits];
     let texts = texts.into_iter().chain(configured.then_some(cells.configured));
-    std::iter::once(place).chain(texts.map(Cell::new)).collect()
+    std::iter::once(place).chain(texts.map(|text| Cell::new(short(text)))).collect()
+}
+
+/// Maximum number of characters in a cell of the table. The details of one object have the whole text.
+const LONGEST: usize = 300;
+
+/// A text as it stands in a cell: folding hundreds of kilobytes into a narrow column would take minutes.
+fn short(text: String) -> String {
+    match text.char_indices().nth(LONGEST) {
+        None => text,
+        Some((end, _)) => {
+            format!("{}… ({} characters)", text.get(..end).unwrap_or_default(), text.chars().count())
+        }
+    }
 }
 
 fn detail(shown: &Shown, object: &Object, text: &mut String) {
