@@ -61,8 +61,7 @@ fn unreadable(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
 fn form(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     let line = any(eds, dice)?;
     let value = number(eds.value(line))?;
-    let (quoted, remark) = (format!("\"{value}\""), format!("{value} # {}", dice.word()));
-    let forms = [format!("{value:X}h"), quoted, format!("{value}.0"), format!("{value:04X}H"), remark];
+    let forms = [format!("{value:X}h"), format!("\"{value}\""), format!("{value}.0"), format!("{value:04X}H")];
     // Floating point numbers are exact up to 53 bits.
     eds.set(line, dice.of(&forms));
     Some(Place::Line(line))
@@ -93,7 +92,7 @@ fn octal(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
 
 fn comment(eds: &mut Eds, dice: &mut Dice) -> Option<Place> {
     let line = any(eds, dice)?;
-    let with = format!("{} ; {}", eds.value(line), dice.word());
+    let with = format!("{} {} {}", eds.value(line), dice.of(&[";", "#"]), dice.word());
     eds.set(line, with);
     Some(Place::Line(line))
 }

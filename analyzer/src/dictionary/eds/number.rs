@@ -127,12 +127,8 @@ fn without_decoration(text: &str) -> (&str, Option<Oddity>) {
     let mut oddity = None;
     let mut text = text.trim();
     if let Some((number, _)) = text.split_once([';', '#']) {
-        // Some tools cut a value at a semicolon; none of them knows the other sign.
-        oddity = Some(match text.contains('#') {
-            true => Oddity::form("a number without text behind it: a comment begins with ; on a line of its own"),
-            false => Oddity { expected: "a comment on a line of its own", rule: &rules::COMMENT },
-        });
         text = number.trim();
+        oddity = Some(Oddity { expected: "a comment on a line of its own", rule: &rules::COMMENT });
     }
     if let Some(inner) = text.strip_prefix('"').and_then(|text| text.strip_suffix('"')) {
         text = inner.trim();
@@ -223,8 +219,7 @@ mod tests {
         let odd = |text| parse(text).and_then(|number| number.oddity.map(|oddity| (number.value, oddity.expected)));
         assert_eq!(odd("180h"), Some((0x180, "hexadecimal numbers with 0x")));
         assert_eq!(odd("5 ; five"), Some((5, "a comment on a line of its own")));
-        let no_comment = "a number without text behind it: a comment begins with ; on a line of its own";
-        assert_eq!(odd("0x7 # VAR"), Some((7, no_comment)));
+        assert_eq!(odd("0x7 # VAR"), Some((7, "a comment on a line of its own")));
         assert_eq!(odd("\"5\""), Some((5, "a number without quotes")));
         assert_eq!(odd("0.0"), Some((0, "a whole number without decimal point")));
         assert_eq!(odd("089"), Some((89, "octal digits after a leading 0")));

@@ -17,8 +17,7 @@ rules! {
     /// a number has a form that CiA 306 does not define
     ///
     /// CiA 306 defines decimal numbers, hexadecimal numbers with 0x, octal numbers with a leading 0, and formulas with
-    /// `$NODEID`. Only some tools understand a trailing h, quotes, a decimal point or other spellings. `#` begins no
-    /// comment.
+    /// `$NODEID`. Only some tools understand a trailing h, quotes, a decimal point or other spellings.
     ///
     /// # What to do
     ///
