@@ -49,7 +49,8 @@ fn text_has_a_row_for_each_entry_and_a_picture_for_each_pdo() {
 #[test]
 fn a_very_long_value_is_cut_in_the_table() {
     let long = "x".repeat(400_000);
-    let eds = format!("{EDS}[2002]\nParameterName=Text\nObjectType=7\nDataType=9\nAccessType=ro\nDefaultValue={long}\n");
+    let eds =
+        format!("{EDS}[2002]\nParameterName=Text\nObjectType=7\nDataType=9\nAccessType=ro\nDefaultValue={long}\n");
     let of = |only: Option<u16>| {
         let description = DeviceDescription::read(eds.as_bytes()).unwrap();
         Shown { file: "x.eds".to_owned(), description, node: None, only: only.map(Index) }.text(STYLE)
