@@ -132,6 +132,31 @@ fn a_dcf_tells_how_one_device_is_configured() {
     assert!(description.is_configuration() && !read("plain").unwrap().is_configuration());
 }
 
+/// Many DCFs lack the section of a configured device; their values count all the same. Only what calls itself an EDS has
+/// none.
+#[test]
+fn configured_values_count_unless_the_file_is_an_eds() {
+    let of = |head: &str| {
+        let entry = |index: &str| {
+            format!(
+                "[{index}]\nParameterName=Time {index}\nObjectType=7\nDataType=6\nAccessType=rw\nParameterValue=100\n"
+            )
+        };
+        let text = format!("{head}{}{}", entry("1017"), entry("2000"));
+        let description = eds::read(text.as_bytes()).unwrap();
+        let values = description.dictionary.entries().filter(|(_, entry)| entry.configured.is_some()).count();
+        let told = |problem: &&canvass_analyzer::dictionary::EdsProblem| problem.rule.id == "eds/field/configured";
+        let found: Vec<String> =
+            description.problems.iter().filter(told).map(|problem| problem.found.clone()).collect();
+        (values, found)
+    };
+    let kept = (2, Vec::new());
+    assert_eq!(of(""), kept);
+    assert_eq!(of("[FileInfo]\nFileName=robot.dcf\n"), kept);
+    assert_eq!(of("[FileInfo]\nFileName=robot.eds\n[DeviceComissioning]\nNodeID=5\n"), kept);
+    assert_eq!(of("[FileInfo]\nFileName=Robot.EDS\n"), (0, vec!["2 values, the first is 100".to_owned()]));
+}
+
 #[test]
 fn header_fields_are_read() {
     let description = read("plain").unwrap();

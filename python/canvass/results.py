@@ -178,7 +178,7 @@ class FuzzRun(Run):
 
     @property
     def passed(self) -> bool:
-        """Whether no violation was confirmed, and the device was left as it was found."""
+        """Whether no violation was confirmed, the device answered to the end, and the run was complete."""
         return self.status == 0
 
     @property
@@ -187,4 +187,10 @@ class FuzzRun(Run):
         if self.passed:
             return ""
         reasons = [str(violation) for violation in self.violations if violation.confirmed]
-        return "\n".join(reasons) or f"the run ended early, or the device was not left as found: {self.ended_by}"
+        if self.dead:
+            reasons.append("the device no longer answers")
+        if self.cancelled:
+            reasons.append("the run was interrupted")
+        if self.ended_by:
+            reasons.append(self.ended_by)
+        return "\n".join(reasons) or "a violation did not come back when it was repeated (--unconfirmed)"

@@ -24,7 +24,7 @@ pub struct Message {
     object: Option<String>,
     /// The PDO, such as `TPDO 1`.
     pdo: Option<String>,
-    /// The rule of the SDO protocol that the frame breaks.
+    /// The violated rule of the SDO protocol, if the frame violates one.
     violation: Option<&'static str>,
     /// The frame in words.
     meaning: String,

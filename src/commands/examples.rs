@@ -15,7 +15,7 @@ use std::path::{Path, PathBuf};
 /// The capture shows how an encoder is commissioned by LSS and SDO, and an error that it reports. Nothing is overwritten.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The folder, which is made
+    /// The folder that the command creates
     #[arg(default_value = "canvass-examples", value_name = "FOLDER")]
     folder: PathBuf,
 }
@@ -25,7 +25,7 @@ pub const CAPTURE: &str = include_str!("../../docs/examples/commissioning.log");
 /// The model whose description is an example.
 const MODEL: &str = "kuebler-sendix-58x8";
 
-/// Commands to try, without the folder.
+/// Commands to try; `{}` stands for the folder.
 const COMMANDS: [(&str, &str); 5] = [
     ("canvass decode {}/commissioning.log --device 63={}/encoder.eds", "every frame with its meaning"),
     ("canvass diagnose {}/commissioning.log", "what is wrong in it"),

@@ -14,7 +14,7 @@ use std::process::Command;
 /// Nothing is installed and nothing is connected. The tour leaves a capture and a report in a folder.
 #[derive(clap::Args)]
 pub struct Args {
-    /// The folder for the capture and the report, which is made
+    /// The folder that the tour creates for the capture and the report
     #[arg(default_value = "canvass-tour", value_name = "FOLDER")]
     folder: PathBuf,
     /// Go on without waiting for Enter

@@ -14,30 +14,31 @@ pub(super) struct Names {
     pub configured: &'static str,
 }
 
-/// Checks a parsed entry. `is_all_ones`: the high limit is written in hexadecimal, with all bits set; in a signed type the
-/// highest number takes its place.
+/// Corrects a high limit whose bits are all set in hexadecimal. In a signed type that is -1, but the author meant the
+/// highest number.
+pub(super) fn unwrap_high(entry: &mut Entry, place: Place<'_>, problems: &mut Problems) {
+    let is_wrapped = number(&entry.high_limit) == Some(-1) && number(&entry.low_limit).is_none_or(|low| low > -1);
+    if !is_wrapped {
+        return;
+    }
+    let expected = "the highest number of the signed data type, such as 0x7F";
+    problems.report(place, &rules::number::WRAPPED, expected, "all bits set, which is -1");
+    let highest = entry.data_type.bits().and_then(|bits| 1_u64.checked_shl(bits - 1)).map(|bound| bound - 1);
+    entry.high_limit = highest.and_then(|highest| Value::from_raw(entry.data_type, highest)).map(Setting::Fixed);
+}
+
+fn number(setting: &Option<Setting>) -> Option<i128> {
+    setting.as_ref().and_then(Setting::fixed)?.as_number()
+}
+
+/// Checks the limits of a parsed entry, and its values against them.
 pub(super) fn check<'a>(
-    entry: &mut Entry,
+    entry: &Entry,
     names: &Names,
-    is_all_ones: bool,
     place: impl Fn(&'static str) -> Place<'a>,
     problems: &mut Problems,
 ) {
-    let number = |setting: &Option<Setting>| setting.as_ref().and_then(Setting::fixed)?.as_number();
     let (low, high) = (number(&entry.low_limit), number(&entry.high_limit));
-    // In a signed type all bits set are -1, but the author meant the highest number of an unsigned type.
-    let is_wrapped = |high: &i128| is_all_ones && *high == -1 && low.is_none_or(|low| low > -1);
-    let high = match high {
-        Some(high) if is_wrapped(&high) => {
-            let expected = "the highest number of the signed data type, such as 0x7F";
-            problems.report(place(names.high), &rules::number::WRAPPED, expected, "all bits set, which is -1");
-            let highest = entry.data_type.bits().and_then(|bits| 1_u64.checked_shl(bits - 1)).map(|bound| bound - 1);
-            entry.high_limit =
-                highest.and_then(|highest| Value::from_raw(entry.data_type, highest)).map(Setting::Fixed);
-            None
-        }
-        high => high,
-    };
     if let (Some(low), Some(high)) = (low, high)
         && low > high
     {

@@ -62,6 +62,21 @@ impl Inbox {
         self.arrived.notify_all();
     }
 
+    /// Records an own frame and writes it. It is recorded first, since the answer may arrive before this thread
+    /// continues; a frame that can't be written is removed again.
+    pub(crate) fn send<E>(
+        &self,
+        record: &Record,
+        clock: &SteadyClock,
+        write: impl FnOnce() -> Result<(), E>,
+    ) -> Result<(), E> {
+        self.deliver(&mut vec![record.clone()]);
+        write().inspect_err(|_| self.retract(record))?;
+        let took = clock.now().since(record.timestamp);
+        self.note(|health| health.transmit.add(took));
+        Ok(())
+    }
+
     /// Removes an own frame that could not be sent, unless the reader has taken it already.
     pub(crate) fn retract(&self, record: &Record) {
         let mut state = self.state();
@@ -158,6 +173,39 @@ impl Inbox {
         }
     }
 }
+
+/// The parts of [`Bus`](crate::Bus) that are alike in all buses with an inbox, whose `shared` has the clock and the inbox.
+macro_rules! receives_by_inbox {
+    () => {
+        fn now(&self) -> canvass_traces::Timestamp {
+            self.shared.clock.now()
+        }
+
+        fn receive(
+            &mut self,
+            deadline: canvass_traces::Timestamp,
+        ) -> Result<Option<canvass_traces::Record>, $crate::BusError> {
+            Ok(self.shared.inbox.take(&self.shared.clock, deadline, || false))
+        }
+
+        fn is_live(&self) -> bool {
+            true
+        }
+
+        fn health(&self) -> $crate::Health {
+            self.shared.inbox.health()
+        }
+
+        fn is_interrupted(&self) -> bool {
+            self.shared.inbox.is_interrupted()
+        }
+
+        fn limit_backlog(&mut self, frames: usize) {
+            self.shared.inbox.limit(frames);
+        }
+    };
+}
+pub(crate) use receives_by_inbox;
 
 impl InboxState {
     /// The time of a frame that is taken now. It is not before the time of the last frame: a frame of the tester itself

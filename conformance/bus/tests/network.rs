@@ -1,4 +1,4 @@
-//! Buses over a network, with stand-ins for the programs at the other end.
+//! Tests of buses over a network. Each test plays the program at the other end.
 
 // `cfg(test)` changes nothing here, but tells clippy that a test may unwrap.
 #![cfg(test)]

@@ -17,7 +17,7 @@ pub struct CaptureFile {
     /// The path as the user gave it, or the URL, such as `s3://bucket/field/a.log`. In a lake the absolute path, with
     /// the site before it if one is named: `bench-7:/data/a.log`.
     pub name: String,
-    /// The path at which the file is opened; `None` if it is the name.
+    /// The path of the file, if the name is not the path.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub path: Option<String>,
     /// The length of the file in bytes.

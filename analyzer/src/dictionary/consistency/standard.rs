@@ -73,7 +73,10 @@ fn code(check: &mut Check<'_>, object: &Object, profile: Option<u16>) {
     let types = || standard.entries.iter().filter(|entry| entry.first > 0).filter_map(|entry| entry.data_type);
     let is_record = object.index.0 == object::IDENTITY || types().any(|data_type| Some(data_type) != types().next());
     let is_wrong = standard.code.is_single() != object.code.is_single()
-        || (is_record && standard.code == ObjectCode::RECORD && object.code == ObjectCode::ARRAY);
+        || (is_record
+            && standard.standard == "CiA 301"
+            && standard.code == ObjectCode::RECORD
+            && object.code == ObjectCode::ARRAY);
     if is_wrong {
         let expected = "the object code of the standard";
         let found = format!("{} instead of {}", object.code, standard.code);

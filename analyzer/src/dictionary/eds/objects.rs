@@ -74,13 +74,13 @@ pub(super) fn read(source: &Source<'_>, problems: &mut Problems) -> ObjectDictio
             _ => {}
         }
     }
-    let is_dcf = source.is_dcf();
+    let mut configured = Vec::new();
     let mut left = MOST_ENTRIES;
     let mut objects = Vec::new();
     for (index, parts) in parts {
         let mut object = object(index, &parts, source, problems);
-        if !is_dcf {
-            drop_configured(&mut object, &parts, problems);
+        if source.is_eds() {
+            configured.extend(take_configured(&mut object, &parts));
         }
         let Some(rest) = left.checked_sub(object.entries().len()) else {
             let expected = "at most 200000 entries; the rest is left out";
@@ -90,21 +90,26 @@ pub(super) fn read(source: &Source<'_>, problems: &mut Problems) -> ObjectDictio
         left = rest;
         objects.push(object);
     }
+    if let Some((place, value)) = configured.first() {
+        let expected = "DefaultValue in an EDS, or a section DeviceComissioning, which makes it a DCF";
+        let found = match configured.len() {
+            1 => value.to_string(),
+            several => format!("{several} values, the first is {value}"),
+        };
+        problems.report(*place, &rules::field::CONFIGURED, expected, &found);
+    }
     objects.into_iter().collect()
 }
 
-/// Removes the configured values of an EDS, which only a DCF has.
-fn drop_configured(object: &mut Object, parts: &Parts<'_>, problems: &mut Problems) {
+/// Removes the configured values of an object, which an EDS does not have; returns them with their places.
+fn take_configured<'d>(object: &mut Object, parts: &Parts<'d>) -> Vec<(Place<'d>, Setting)> {
     let subs: Vec<SubIndex> = object.entries().iter().map(|entry| entry.sub).collect();
-    for entry in subs {
-        let of_object = object.entry_mut(entry).and_then(|entry| entry.configured.take());
-        let section = parts.subs.get(&entry.0).copied().or(parts.head);
-        if let (Some(value), Some(section)) = (of_object, section) {
-            let place = section.place_of(FieldName::ParameterValue);
-            let expected = "DefaultValue in an EDS, or a section DeviceComissioning, which makes it a DCF";
-            problems.report(place, &rules::field::CONFIGURED, expected, &value.to_string());
-        }
-    }
+    let take = |sub: SubIndex| {
+        let value = object.entry_mut(sub)?.configured.take()?;
+        let section = parts.subs.get(&sub.0).copied().or(parts.head)?;
+        Some((section.place_of(FieldName::ParameterValue), value))
+    };
+    subs.into_iter().filter_map(take).collect()
 }
 
 /// Reports a section name such as `[0x1018]` or `[1018sub01]`, which other tools may not find.
@@ -249,8 +254,10 @@ pub(super) fn entry(fields: &mut Fields<'_, '_>, sub: u8, default_type: DataType
     if entry.flags.0 > 3 {
         fields.report(FieldName::ObjFlags, &rules::entry::FLAGS, "0, 1, 2 or 3", &entry.flags.0.to_string());
     }
-    let is_all_ones = limits::is_all_ones(fields.optional_text(FieldName::HighLimit));
-    limits::check(&mut entry, &NAMES, is_all_ones, |field| place(fields.section, field), fields.problems);
+    if limits::is_all_ones(fields.optional_text(FieldName::HighLimit)) {
+        limits::unwrap_high(&mut entry, place(fields.section, NAMES.high), fields.problems);
+    }
+    limits::check(&entry, &NAMES, |field| place(fields.section, field), fields.problems);
     entry
 }
 

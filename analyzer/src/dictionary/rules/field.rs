@@ -44,7 +44,8 @@ rules! {
     /// an EDS has the value of a configured device
     ///
     /// ParameterValue belongs to a DCF, which has the section DeviceComissioning. An EDS describes a type of device, and
-    /// its values are defaults. canvass does not use the value.
+    /// its values are defaults. canvass does not use the value. It takes a file for an EDS if the name in FileInfo ends
+    /// in .eds and the section is missing. The first value is reported, with the number of all.
     ///
     /// # What to do
     ///

@@ -173,6 +173,13 @@ impl<'a> Source<'a> {
         self.by_id(*self.tree.by_name.get(&SectionIdentity::of(name).1)?)
     }
 
+    /// Whether the file calls itself an EDS. Many DCFs lack the section of a configured device, or have no name at all.
+    pub(super) fn is_eds(&self) -> bool {
+        let name = self.section("FileInfo").and_then(|section| section.field(FieldName::FileName));
+        let ends_so = name.is_some_and(|name| name.value().to_ascii_lowercase().ends_with(".eds"));
+        ends_so && !self.is_dcf()
+    }
+
     /// Whether the file is a DCF: it has the section of a configured device, in the standard's spelling or the usual one.
     pub(super) fn is_dcf(&self) -> bool {
         ["DeviceComissioning", "DeviceCommissioning"].iter().any(|name| self.section(name).is_some())

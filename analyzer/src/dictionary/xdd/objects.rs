@@ -113,8 +113,10 @@ fn entry(sub: u8, element: Section<'_>, parameters: &Parameters<'_>, problems: &
     if element.attribute("objFlags").is_some() {
         entry.flags = ObjectFlags(hexadecimal(element, "objFlags", u32::MAX, problems).unwrap_or(0));
     }
-    let is_all_ones = limits::is_all_ones(element.attribute(NAMES.high).or(parameter.high));
-    limits::check(&mut entry, &NAMES, is_all_ones, |attribute| element.place_of_attribute(attribute), problems);
+    if limits::is_all_ones(element.attribute(NAMES.high).or(parameter.high)) {
+        limits::unwrap_high(&mut entry, element.place_of_attribute(NAMES.high), problems);
+    }
+    limits::check(&entry, &NAMES, |attribute| element.place_of_attribute(attribute), problems);
     entry
 }
 

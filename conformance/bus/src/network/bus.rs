@@ -1,12 +1,12 @@
-//! The bus, and the parts of a protocol.
+//! [`NetworkBus`], and the traits that each protocol implements.
 
 use super::reader::Reader;
 use super::{Carrier, NetworkAddress, NetworkError, cannelloni, multicast, socketcand};
 use crate::clock::SteadyClock;
 use crate::connection::link::Link;
 use crate::connection::way::Way;
-use crate::inbox::Inbox;
-use crate::{Bus, BusError, Health};
+use crate::inbox::{Inbox, receives_by_inbox};
+use crate::{Bus, BusError};
 use canvass_traces::{ChannelId, Direction, Frame, Record, Timestamp};
 use std::io;
 use std::sync::Arc;
@@ -30,20 +30,19 @@ pub(super) struct Shared {
 
 /// Opens a connection, at the beginning and after it was lost.
 pub(super) trait Connect {
-    /// Opens the connection, and whatever the other end must do before frames can pass. Returns what the other end has
-    /// sent after that.
+    /// Opens the connection and exchanges greetings. Returns the bytes that came after the greeting.
     fn connect(&mut self) -> Result<(Link, Vec<u8>), Failure>;
 }
 
 /// Turns frames into bytes.
 pub(super) trait Write {
-    /// Appends a frame to what is written at once.
+    /// Appends the bytes of a frame.
     fn write(&mut self, frame: &Frame, bytes: &mut Vec<u8>) -> Result<(), &'static str>;
 }
 
 /// Turns bytes into frames.
 pub(super) trait Read {
-    /// Takes what one read has given.
+    /// Decodes the bytes of one read; a rest waits for the next read.
     fn read(&mut self, bytes: &[u8], arrived: &mut Arrived) -> Result<(), String>;
 }
 
@@ -110,9 +109,7 @@ impl NetworkBus {
 }
 
 impl Bus for NetworkBus {
-    fn now(&self) -> Timestamp {
-        self.shared.clock.now()
-    }
+    receives_by_inbox!();
 
     fn send(&mut self, frame: &Frame) -> Result<(), BusError> {
         let mut bytes = Vec::with_capacity(128);
@@ -121,41 +118,15 @@ impl Bus for NetworkBus {
             return Err(unsendable("expected a CAN FD frame of up to 16 bytes"));
         }
         self.writer.write(frame, &mut bytes).map_err(unsendable)?;
-        // The other end does not tell when the frame was on the bus; this time is the earliest possible one. The frame
-        // is recorded before it is written: the answer may arrive before this thread continues.
+        // The other end does not tell when the frame was on the bus; this time is the earliest possible one.
         let record = Record::new(self.now(), ChannelId(0), *frame).with_direction(Direction::Tx);
-        self.shared.inbox.deliver(&mut vec![record.clone()]);
-        if self.shared.way.send(&bytes).is_err() {
-            self.shared.inbox.retract(&record);
-            return Err(NetworkError::NotConnected { name: self.shared.name.clone() }.into());
-        }
-        let took = self.now().since(record.timestamp);
-        self.shared.inbox.note(|health| health.transmit.add(took));
-        Ok(())
-    }
-
-    fn receive(&mut self, deadline: Timestamp) -> Result<Option<Record>, BusError> {
-        Ok(self.shared.inbox.take(&self.shared.clock, deadline, || false))
+        let shared = &*self.shared;
+        let sent = shared.inbox.send(&record, &shared.clock, || shared.way.send(&bytes));
+        Ok(sent.map_err(|_| NetworkError::NotConnected { name: shared.name.clone() })?)
     }
 
     fn bit_rate(&self) -> Option<u32> {
         self.bit_rate
-    }
-
-    fn is_live(&self) -> bool {
-        true
-    }
-
-    fn health(&self) -> Health {
-        self.shared.inbox.health()
-    }
-
-    fn is_interrupted(&self) -> bool {
-        self.shared.inbox.is_interrupted()
-    }
-
-    fn limit_backlog(&mut self, frames: usize) {
-        self.shared.inbox.limit(frames);
     }
 }
 

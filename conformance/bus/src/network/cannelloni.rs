@@ -10,9 +10,9 @@ use std::time::{Duration, Instant};
 
 /// What both ends of a TCP connection send first.
 const GREETING: &[u8] = b"CANNELLONIv1";
-/// How long the other end's greeting may take.
+/// Timeout of the other end's greeting.
 const ANSWER: Duration = Duration::from_secs(3);
-/// The first bytes of a datagram: the version of the format, and the code of data.
+/// The first two bytes of a datagram: the version of the format, and the operation code for frames.
 const VERSION: u8 = 2;
 const DATA: u8 = 0;
 /// The flags of an identifier (`linux/can.h`).
@@ -80,7 +80,7 @@ impl Connect for Peer {
             SocketAddr::V6(_) => SocketAddr::from((Ipv6Addr::UNSPECIFIED, self.local)),
         };
         let socket = UdpSocket::bind(local)?;
-        // Only this address may send; the other end has the same rule.
+        // The socket accepts datagrams from this address only, as cannelloni itself does.
         socket.connect(remote)?;
         Ok((datagrams(socket.try_clone()?, socket)?, Vec::new()))
     }
@@ -135,7 +135,7 @@ impl Read for Packets {
             arrived.lost += 1;
             return Ok(());
         };
-        // At least one frame was in each lost datagram. A datagram from before is one that was overtaken.
+        // Each lost datagram held at least one frame. A lower number means that another datagram has overtaken this one.
         let missing = self.next.map_or(0, |next| number.wrapping_sub(next));
         if missing < 128 {
             arrived.lost += u64::from(missing);
@@ -154,7 +154,7 @@ impl Read for Packets {
     }
 }
 
-/// Keeps a frame; `None` is one that does not exist on a CAN bus.
+/// Keeps a frame; `None` stands for a frame that CAN does not have, and counts as lost.
 fn keep(frame: Option<Frame>, arrived: &mut Arrived) {
     match frame {
         Some(frame) => arrived.frames.push(Stamped { frame, time: None }),

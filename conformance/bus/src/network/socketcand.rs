@@ -9,9 +9,9 @@ use canvass_traces::{CanId, ErrorClass, Frame, Timestamp};
 use std::io;
 use std::time::{Duration, Instant};
 
-/// How long an answer may take.
+/// Timeout of an answer.
 const ANSWER: Duration = Duration::from_secs(3);
-/// The longest element, with room for what later versions may add.
+/// Maximum length of an element. The longest one of today has less than 100 bytes.
 const LONGEST: usize = 4096;
 
 /// The protocol for an interface, such as `can0`, of a server `HOST:PORT`.
@@ -154,7 +154,7 @@ mod tests {
         Frame::new(id.unwrap(), bytes).unwrap()
     }
 
-    /// The example of the protocol's description, and what the program prints.
+    /// Frames as the documentation of socketcand shows them, with spaces, and as the program prints them, without.
     #[test]
     fn frames_with_and_without_spaces() {
         let arrived = read("< frame 123 23.424242 11 22 33 44 >< frame 18FF0001 1.000001 AB >< frame 080 2.000000  >");

@@ -6,9 +6,9 @@ use crate::clock::SteadyClock;
 use crate::connection::arrival::Arrivals;
 use crate::connection::link::{self, LOOK, Link};
 use crate::connection::way::Way;
-use crate::inbox::Inbox;
-use crate::{Bus, BusError, Health};
-use canvass_traces::{ChannelId, Direction, Frame, Record, Timestamp};
+use crate::inbox::{Inbox, receives_by_inbox};
+use crate::{Bus, BusError};
+use canvass_traces::{ChannelId, Direction, Frame};
 use std::io::Read;
 use std::net::TcpListener;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
@@ -192,36 +192,20 @@ impl Program {
 }
 
 impl Bus for SlCanHub {
-    fn now(&self) -> Timestamp {
-        self.shared.clock.now()
-    }
+    receives_by_inbox!();
 
     fn send(&mut self, frame: &Frame) -> Result<(), BusError> {
         let shared = &*self.shared;
         let (record, line) = frame_line(self.now(), frame)?;
         let programs = shared.programs();
-        // The frame is recorded before it is written: the answer may arrive before this thread continues.
-        shared.inbox.deliver(&mut vec![record.clone()]);
-        if spread(&programs, None, &line) == 0 {
-            shared.inbox.retract(&record);
-            return Err(SlCanError::Nobody { name: shared.name.clone() }.into());
-        }
-        drop(programs);
-        let took = self.now().since(record.timestamp);
-        shared.inbox.note(|health| health.transmit.add(took));
-        Ok(())
-    }
-
-    fn receive(&mut self, deadline: Timestamp) -> Result<Option<Record>, BusError> {
-        Ok(self.shared.inbox.take(&self.shared.clock, deadline, || false))
+        shared.inbox.send(&record, &shared.clock, || match spread(&programs, None, &line) {
+            0 => Err(SlCanError::Nobody { name: shared.name.clone() }.into()),
+            _ => Ok(()),
+        })
     }
 
     fn bit_rate(&self) -> Option<u32> {
         self.bit_rate
-    }
-
-    fn is_live(&self) -> bool {
-        true
     }
 
     fn wait_for_client(&mut self, patience: canvass_traces::Duration) -> Result<(), BusError> {
@@ -233,18 +217,6 @@ impl Bus for SlCanHub {
             std::thread::sleep(LOOK);
         }
         Ok(())
-    }
-
-    fn health(&self) -> Health {
-        self.shared.inbox.health()
-    }
-
-    fn is_interrupted(&self) -> bool {
-        self.shared.inbox.is_interrupted()
-    }
-
-    fn limit_backlog(&mut self, frames: usize) {
-        self.shared.inbox.limit(frames);
     }
 
     /// The programs set the bit rate, which has no effect on the connection.
@@ -267,7 +239,7 @@ impl Drop for SlCanHub {
 mod tests {
     use super::super::SlCan;
     use super::*;
-    use canvass_traces::{CanId, Duration};
+    use canvass_traces::{CanId, Duration, Record};
     use std::io::Write;
     use std::net::TcpStream;
 

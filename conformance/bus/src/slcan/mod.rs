@@ -14,8 +14,8 @@ pub use codec::{BIT_RATES, Command, Decoder, Message, MinuteClock, Status, write
 pub use hub::SlCanHub;
 
 use super::clock::SteadyClock;
-use super::inbox::Inbox;
-use super::{Bus, BusError, Health};
+use super::inbox::{Inbox, receives_by_inbox};
+use super::{Bus, BusError};
 use crate::connection::link::Place;
 use crate::connection::way::Way;
 use canvass_traces::{ChannelId, Direction, Frame, Record, Timestamp};
@@ -191,45 +191,17 @@ impl Shared {
 }
 
 impl Bus for SlCan {
-    fn now(&self) -> Timestamp {
-        self.shared.clock.now()
-    }
+    receives_by_inbox!();
 
     fn send(&mut self, frame: &Frame) -> Result<(), BusError> {
         let (record, line) = frame_line(self.now(), frame)?;
-        // The frame is recorded before it is written: the answer may arrive before this thread continues.
-        self.shared.inbox.deliver(&mut vec![record.clone()]);
-        if self.shared.way.send(&line).is_err() {
-            self.shared.inbox.retract(&record);
-            return Err(self.shared.not_connected().into());
-        }
-        let took = self.now().since(record.timestamp);
-        self.shared.inbox.note(|health| health.transmit.add(took));
-        Ok(())
-    }
-
-    fn receive(&mut self, deadline: Timestamp) -> Result<Option<Record>, BusError> {
-        Ok(self.shared.inbox.take(&self.shared.clock, deadline, || false))
+        let shared = &*self.shared;
+        let sent = shared.inbox.send(&record, &shared.clock, || shared.way.send(&line));
+        Ok(sent.map_err(|_| shared.not_connected())?)
     }
 
     fn bit_rate(&self) -> Option<u32> {
         self.bit_rate
-    }
-
-    fn is_live(&self) -> bool {
-        true
-    }
-
-    fn health(&self) -> Health {
-        self.shared.inbox.health()
-    }
-
-    fn is_interrupted(&self) -> bool {
-        self.shared.inbox.is_interrupted()
-    }
-
-    fn limit_backlog(&mut self, frames: usize) {
-        self.shared.inbox.limit(frames);
     }
 
     /// Closes the adapter's channel, sets the bit rate and reopens the channel.

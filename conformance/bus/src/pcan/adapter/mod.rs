@@ -11,8 +11,8 @@ pub use inventory::{Condition, Installed, Present, installed};
 
 use super::{Channel, Opening, PcanError, Status};
 use crate::clock::SteadyClock;
-use crate::inbox::Inbox;
-use crate::{Bus, BusError, Health};
+use crate::inbox::{Inbox, receives_by_inbox};
+use crate::{Bus, BusError};
 use canvass_traces::{ChannelId, Direction, Duration, Frame, Record, Timestamp};
 use library::Library;
 use message::Message;
@@ -120,9 +120,7 @@ impl Pcan {
 }
 
 impl Bus for Pcan {
-    fn now(&self) -> Timestamp {
-        self.shared.clock.now()
-    }
+    receives_by_inbox!();
 
     fn send(&mut self, frame: &Frame) -> Result<(), BusError> {
         let Some(message) = Message::to_send(frame) else {
@@ -145,28 +143,8 @@ impl Bus for Pcan {
         Ok(())
     }
 
-    fn receive(&mut self, deadline: Timestamp) -> Result<Option<Record>, BusError> {
-        Ok(self.shared.inbox.take(&self.shared.clock, deadline, || false))
-    }
-
     fn bit_rate(&self) -> Option<u32> {
         Some(self.bit_rate)
-    }
-
-    fn is_live(&self) -> bool {
-        true
-    }
-
-    fn health(&self) -> Health {
-        self.shared.inbox.health()
-    }
-
-    fn is_interrupted(&self) -> bool {
-        self.shared.inbox.is_interrupted()
-    }
-
-    fn limit_backlog(&mut self, frames: usize) {
-        self.shared.inbox.limit(frames);
     }
 
     /// Closes the channel and opens it again at the new bit rate.
