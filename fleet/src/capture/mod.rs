@@ -27,6 +27,11 @@ pub struct CaptureFile {
 }
 
 impl CaptureFile {
+    /// The site with its colon, if the name in the lake begins with one.
+    pub fn site(&self) -> Option<&str> {
+        self.path.as_deref().and_then(|path| self.name.strip_suffix(path))
+    }
+
     /// The path or URL at which the file is opened.
     pub fn place(&self) -> &str {
         self.path.as_deref().unwrap_or(&self.name)

@@ -135,18 +135,20 @@ impl Run {
         let hashes = self.hashes(&changed, access).await?;
         let (same, changed): (Vec<_>, Vec<_>) = changed.into_iter().partition(|file| self.is_same(file, &hashes));
         let changing: BTreeSet<&String> = changed.iter().map(|file| &file.name).collect();
-        // For each content, the file whose rows are in the lake.
+        // For each content, the file whose rows are in the lake. Only files of one site are copies of each other: if one
+        // of them changes, the other one has to be read, and another site's files can't be read here.
+        let content = |file: &CaptureFile, sha256: &str| (file.site().map(str::to_owned), sha256.to_owned());
         let entries = self.snapshot.entries.values();
         let standing = entries.filter(|entry| entry.stands(&self.rules) && !changing.contains(&entry.file.name));
-        let mut stands: BTreeMap<String, String> =
-            standing.map(|entry| (entry.sha256.clone(), entry.file.name.clone())).collect();
+        let mut stands: BTreeMap<(Option<String>, String), String> =
+            standing.map(|entry| (content(&entry.file, &entry.sha256), entry.file.name.clone())).collect();
         same.iter().for_each(|file| self.touch(file));
         let mut todo = Vec::new();
         for file in &changed {
-            match hashes.get(&file.name).map(|sha256| (sha256, stands.get(sha256))) {
+            match hashes.get(&file.name).map(|sha256| (sha256, stands.get(&content(file, sha256)))) {
                 Some((sha256, Some(of))) => self.copy(file, sha256, &of.clone()),
                 Some((sha256, None)) => {
-                    stands.insert(sha256.clone(), file.name.clone());
+                    stands.insert(content(file, sha256), file.name.clone());
                     todo.push(file.clone());
                 }
                 None => todo.push(file.clone()),

@@ -28,7 +28,7 @@ async fn ingest_with(source: &Path, lake: &Path, devices: Devices) -> Summary {
     Ingest { sources, lake, devices, rehash: false, site: None }.run(&session(), &mut |_| {}).await.unwrap()
 }
 
-async fn rows(session: &SessionContext, statement: &str) -> Vec<Value> {
+pub async fn rows(session: &SessionContext, statement: &str) -> Vec<Value> {
     let batches = session.sql(statement).await.unwrap().collect().await.unwrap();
     let Some(first) = batches.first() else { return Vec::new() };
     let out = Shared::default();
@@ -48,7 +48,7 @@ async fn table(session: &SessionContext, table: Table) -> Vec<String> {
     texts
 }
 
-async fn open(lake: &Path) -> SessionContext {
+pub async fn open(lake: &Path) -> SessionContext {
     let session = session();
     lake::register(&session, &lake.display().to_string()).await.unwrap();
     views::register(&session).await.unwrap();
@@ -290,7 +290,7 @@ fn log(frames: usize) -> String {
     (0..frames).map(|n| format!("({}.000000) can0 705#05\n", 1_738_061_235 + n)).collect()
 }
 
-async fn ingest_at(source: &str, lake: &Path, site: Option<&str>) -> Summary {
+pub async fn ingest_at(source: &str, lake: &Path, site: Option<&str>) -> Summary {
     let (sources, lake) = (vec![source.to_owned()], lake.display().to_string());
     let ingest = Ingest { sources, lake, devices: Devices::default(), rehash: false, site: site.map(str::to_owned) };
     ingest.run(&session(), &mut |_| {}).await.unwrap()
@@ -333,6 +333,23 @@ async fn a_copy_keeps_its_rows() {
     assert!(changed.broken.is_empty(), "{changed:?}");
     let counts: Vec<i64> = frames_of(lake.path()).await.into_iter().map(|(_, frames)| frames).collect();
     assert_eq!(counts, [7, 3]);
+}
+
+/// Two sites with equal files have rows of their own: one computer can't read the files of the other one.
+#[tokio::test(flavor = "multi_thread")]
+async fn sites_share_no_rows() {
+    let (source, lake) = (tempfile::tempdir().unwrap(), tempfile::tempdir().unwrap());
+    let path = source.path().join("a.log");
+    std::fs::write(&path, log(3)).unwrap();
+    let at = path.display().to_string();
+    for site in ["one", "two"] {
+        assert_eq!(ingest_at(&at, lake.path(), Some(site)).await.added, 1);
+    }
+    // The file of the second site changes; what the first one has recorded stays.
+    std::fs::write(&path, log(7)).unwrap();
+    assert_eq!(ingest_at(&at, lake.path(), Some("two")).await.replaced, 1);
+    let counts: Vec<i64> = frames_of(lake.path()).await.into_iter().map(|(_, frames)| frames).collect();
+    assert_eq!(counts, [3, 7]);
 }
 
 #[tokio::test(flavor = "multi_thread")]

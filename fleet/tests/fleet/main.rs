@@ -6,4 +6,5 @@ mod cluster;
 mod docs;
 mod export;
 mod lake;
+mod sequences;
 mod sink;
