@@ -26,6 +26,7 @@ mod quality;
 mod reconnect;
 mod selection;
 mod settings;
+mod shown;
 mod status;
 mod time_range;
 mod timing;

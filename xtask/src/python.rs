@@ -140,7 +140,10 @@ fn all_wheels() -> Result<Vec<PathBuf>> {
 }
 
 /// Installs the wheel into a clean environment without an index, and uses each of its parts.
-fn check() -> Result<()> {
+///
+/// # Errors
+/// If a part does not work.
+pub fn check() -> Result<()> {
     const CLEAN: &str = "target/python-clean";
     const PYTHON: &str = "target/python-clean/bin/python";
     consent::ask(&format!("a clean Python environment in {CLEAN}"), "python3 -m venv")?;

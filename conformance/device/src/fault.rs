@@ -1371,6 +1371,12 @@ pub enum Fault {
     /// The first start after "load" reports EMCY 5000h, and the device does not enter operational until the next start.
     #[row(fuzz = Never(AfterStore))]
     RestoreBreaksStart,
+    /// LSS confirms a bit rate, and keeps the old one when it is activated.
+    #[row(fuzz = Never(BitRate))]
+    LssBitTimingWithoutEffect,
+    /// LMT confirms a bit rate, and keeps the old one when it is activated.
+    #[row(model = "tr-lmp30", fuzz = Never(BitRate))]
+    LmtBitTimingWithoutEffect,
 }
 
 /// The properties of a fault besides its name and its summary.

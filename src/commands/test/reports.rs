@@ -1,8 +1,9 @@
 //! `--format` and `--report`: the outputs of a run's events.
 
 use crate::output::{Color, document, is_seen, raw, show_progress, terminal_width, unless_closed};
+use crate::shown;
 use crate::whole_file::WholeFile;
-use anyhow::{Context, Result, anyhow};
+use anyhow::{Context, Result};
 use canvass_reports::conformance::{Reporter, RunReport};
 use canvass_reports::document::{self, Form, Style};
 use canvass_reports::provenance::Provenance;
@@ -10,9 +11,7 @@ use canvass_suite::runner::RunEvent;
 use clap::ValueEnum;
 use std::cell::RefCell;
 use std::io::{self, BufWriter, Write};
-use std::path::{Path, PathBuf};
 use std::rc::Rc;
-use std::str::FromStr;
 
 /// A format of the result.
 #[derive(Clone, Copy, PartialEq, Eq, Debug, Default, ValueEnum)]
@@ -58,90 +57,18 @@ impl ReportFormat {
     }
 }
 
-/// A value of `--report`: `FORMAT=FILE`.
-#[derive(Clone, Debug)]
-pub struct ReportArg {
-    format: ReportFormat,
-    file: PathBuf,
-}
-
-impl ReportArg {
-    /// The format.
-    pub fn format(&self) -> ReportFormat {
-        self.format
-    }
-
-    /// The file, or `-` for standard output.
-    pub fn file(&self) -> &Path {
-        &self.file
-    }
-
-    fn is_of_stdout(&self) -> bool {
-        self.file.as_os_str() == "-"
-    }
-}
-
-impl FromStr for ReportArg {
-    type Err = anyhow::Error;
-
-    fn from_str(text: &str) -> Result<Self> {
-        let (format, file) = text.split_once('=').context("expected FORMAT=FILE, such as html=report.html")?;
-        let format = ReportFormat::from_str(format, false).map_err(|_| {
-            anyhow!("expected table, json, junit, html, markdown, sarif, pdf or pdf-summary, found \"{format}\"")
-        })?;
-        Ok(Self { format, file: file.into() })
-    }
-}
-
-/// Options for the output of a result.
-#[derive(clap::Args)]
-pub struct Shown {
-    /// How to print the result
-    #[arg(long, value_enum, default_value_t)]
-    pub format: ReportFormat,
-    /// Write a report into a file too; can be given several times. FORMAT=- writes to standard output, in place of
-    /// --format
-    #[arg(long, value_name = "FORMAT=FILE")]
-    pub report: Vec<ReportArg>,
-}
+/// The options for the output of a result in these formats.
+pub type Shown = shown::Shown<ReportFormat>;
+/// A value of `--report` in these formats.
+pub type ReportArg = shown::ReportArg<ReportFormat>;
 
 impl Shown {
-    /// The paths of all report files.
-    pub fn files(&self) -> impl Iterator<Item = &Path> {
-        self.in_files().map(ReportArg::file)
-    }
-
-    /// The reports that are written into files.
-    pub fn in_files(&self) -> impl Iterator<Item = &ReportArg> {
-        self.report.iter().filter(|report| !report.is_of_stdout())
-    }
-
-    /// The format for standard output, from `--format` or `--report FORMAT=-`.
-    ///
-    /// # Errors
-    /// If several options name standard output.
-    pub fn of_stdout(&self) -> Result<ReportFormat> {
-        let said = (self.format != ReportFormat::default()).then_some(self.format);
-        let mut wanted =
-            self.report.iter().filter(|report| report.is_of_stdout()).map(|report| report.format).chain(said);
-        let first = wanted.next().unwrap_or_default();
-        match wanted.next() {
-            Some(_) => Err(anyhow!("standard output takes one report: give --format FORMAT or --report FORMAT=- once")),
-            None => Ok(first),
-        }
-    }
-
-    /// All requested formats.
-    pub fn formats(&self) -> impl Iterator<Item = ReportFormat> {
-        self.report.iter().map(|report| report.format).chain([self.format])
-    }
-
     /// Writes the result to standard output and into the files. An error with one output does not stop the others.
     ///
     /// # Errors
     /// The first output that could not be written. A closed standard output is no error.
     pub fn write(&self, report: &dyn document::Report) -> Result<()> {
-        let into_file = |arg: &ReportArg| write_file(report, arg.format, WholeFile::create(&arg.file)?);
+        let into_file = |arg: &ReportArg| write_file(report, arg.format(), WholeFile::create(arg.file())?);
         let format = self.of_stdout()?;
         let files: Vec<Result<()>> = self.in_files().map(into_file).collect();
         print(report, format)?;
@@ -224,9 +151,9 @@ impl Reports {
         let is_watched = is_seen() && format == ReportFormat::Table;
         let of_stdout = if is_watched { of_stdout.with_progress(show_progress) } else { of_stdout };
         let mut reports = vec![Report { reporter: Box::new(of_stdout), file: None, written: Ok(()) }];
-        for ReportArg { format, file } in shown.in_files() {
-            let file = WholeFile::create(file)?;
-            let reporter = Box::new(reporter(*format, of_file(*format, &file)?, Style::default()));
+        for wanted in shown.in_files() {
+            let (format, file) = (wanted.format(), WholeFile::create(wanted.file())?);
+            let reporter = Box::new(reporter(format, of_file(format, &file)?, Style::default()));
             reports.push(Report { reporter, file: Some(file), written: Ok(()) });
         }
         Ok(Self(reports))

@@ -6,11 +6,13 @@ mod ctrl_c;
 mod left_out;
 mod null_modem;
 mod plain_path;
-mod wine;
+pub mod wine;
 
 use crate::packages::{self, Package};
 use crate::target;
-use anyhow::{Context, Result, ensure};
+use anyhow::{Result, ensure};
+
+pub use plain_path::cargo;
 
 /// The target of MinGW, as the compilers of Windows are not available here.
 pub const TARGET: &str = "x86_64-pc-windows-gnu";
@@ -18,19 +20,7 @@ pub const TARGET: &str = "x86_64-pc-windows-gnu";
 pub const COMPILER: Package =
     Package { program: "x86_64-w64-mingw32-gcc", probe: &["--version"], package: "gcc-mingw-w64-x86-64" };
 /// Wine of 64 bits: Wine of 32 bits is only recommended, and not needed.
-const WINE: Package = Package { program: "wine", probe: &["--version"], package: "wine" };
-
-/// Builds the program for a release.
-///
-/// # Errors
-/// If the program can't be built.
-pub fn release() -> Result<()> {
-    let args = ["build", "--release", "--locked", "--bin", "canvass", "--target", TARGET];
-    eprintln!("$ cargo {}", args.join(" "));
-    let status = plain_path::cargo()?.command.args(args).status().context("cargo")?;
-    ensure!(status.success(), "cargo ended with {status}");
-    Ok(())
-}
+pub const WINE: Package = Package { program: "wine", probe: &["--version"], package: "wine" };
 
 /// Builds the program, and runs all its tests that need no Unix.
 ///

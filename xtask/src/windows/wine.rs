@@ -74,6 +74,11 @@ impl Prefix {
         Ok(prefix)
     }
 
+    /// A file on the disk of this Windows.
+    pub fn path(&self, file: &str) -> PathBuf {
+        self.folder.join(file)
+    }
+
     /// A program of Windows, or a name that Wine knows, with its arguments.
     pub fn wine(&self, args: &[&str]) -> Command {
         self.with_surroundings(Command::new("wine"), args)

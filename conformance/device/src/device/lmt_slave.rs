@@ -218,7 +218,9 @@ impl Service for LmtSlave {
             Some(Effect::Store) => self.store(context),
             Some(Effect::Activate(delay)) => {
                 let delay = if context.has(Fault::LmtActivationNotSilent) { Duration::ZERO } else { delay };
-                context.order(Order::ActivateBitRate { bit_timing: self.pending.bit_timing, delay });
+                let is_used = !context.has(Fault::LmtBitTimingWithoutEffect);
+                let bit_timing = self.pending.bit_timing.filter(|_| is_used);
+                context.order(Order::ActivateBitRate { bit_timing, delay });
             }
             Some(Effect::TakeNodeId(node)) if context.node != Some(node) => context.order(Order::MoveTo(node)),
             Some(Effect::TakeNodeId(_)) | None => {}

@@ -284,7 +284,9 @@ impl Service for LssSlave {
             Some(Effect::Store) => self.store(context),
             Some(Effect::Leave) => self.leave(context),
             Some(Effect::Activate(delay)) => {
-                context.order(Order::ActivateBitRate { bit_timing: self.pending.bit_timing, delay });
+                let is_used = !context.has(Fault::LssBitTimingWithoutEffect);
+                let bit_timing = self.pending.bit_timing.filter(|_| is_used);
+                context.order(Order::ActivateBitRate { bit_timing, delay });
             }
             Some(Effect::Hang) => context.order(Order::Hang),
             None => self.take_node_id_at_once(context),

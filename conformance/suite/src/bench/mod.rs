@@ -73,7 +73,7 @@ pub use zero_point::zero_point_of;
 
 use crate::verdict::{Breach, Check, Judged, Stop};
 use canvass_analyzer::{Multiplexer, NodeId};
-use canvass_bus::{Bus, Health};
+use canvass_bus::{Bus, BusError, Health};
 use canvass_traces::{Duration, Timestamp};
 use case_log::CaseLog;
 use changes::Changes;
@@ -188,6 +188,19 @@ impl<'a> Bench<'a> {
     /// The bit rate of the bus in bit/s, if it is known.
     pub fn bit_rate(&self) -> Option<u32> {
         self.traffic.bit_rate()
+    }
+
+    /// Changes the tester's own bit rate, in bit/s: the device is to be followed.
+    ///
+    /// # Errors
+    /// [`Stop::Error`] if the bus does not work any more.
+    pub(crate) fn set_bit_rate(&mut self, bit_rate: u32) -> Result<(), Stop> {
+        self.try_bit_rate(bit_rate).map_err(|error| traffic::broken(&error))
+    }
+
+    /// Changes the tester's own bit rate, in bit/s, if this end of the bus can do that.
+    pub(crate) fn try_bit_rate(&mut self, bit_rate: u32) -> Result<(), BusError> {
+        self.traffic.set_bit_rate(bit_rate)
     }
 
     /// Time by which the bus alone may delay a frame, or shorten the interval to the next frame.

@@ -102,6 +102,11 @@ impl<'a> Traffic<'a> {
         self.bus.bit_rate()
     }
 
+    /// Changes the bit rate of this end of the bus, in bit/s.
+    pub(crate) fn set_bit_rate(&mut self, bit_rate: u32) -> Result<(), BusError> {
+        self.bus.set_bit_rate(bit_rate)
+    }
+
     /// Time by which the bus alone may delay a frame, or shorten the interval to the next frame: the longest frame may
     /// occupy the wire when the frame is due, and then the frame itself occupies the wire. If the bit rate is unknown,
     /// it is assumed to be 125 kbit/s.
@@ -303,7 +308,7 @@ pub const fn is_tpdo(cob_id: u16) -> bool {
 
 /// The stop for a failure of the bus, which is never the device's fault. Not every bus over a network carries every
 /// frame.
-fn broken(error: &BusError) -> Stop {
+pub(super) fn broken(error: &BusError) -> Stop {
     if let BusError::Unsendable { frame, reason } = error {
         return Stop::NotApplicable(Reason::new("this bus carries all frames of the case", *reason, frame.to_string()));
     }

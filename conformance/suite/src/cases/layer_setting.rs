@@ -1,5 +1,7 @@
 //! Shared functions of the LSS and LMT cases: sending and receiving messages, and the observations of answers.
 
+pub mod bit_rate;
+
 use crate::bench::Bench;
 use crate::verdict::{Allowed, Breach, Check, Judged, Stop, demand};
 use canvass_analyzer::Service;
@@ -9,6 +11,9 @@ use canvass_analyzer::wire::layer_setting::{
 };
 use canvass_bus::observation::Observation;
 use canvass_traces::{Direction, Duration, Record};
+
+/// Maximum time until a device that activates its node-ID or bit rate by itself at the end of configuration has done so.
+pub const RESTART: Duration = Duration::from_millis(500);
 
 /// A dialect of layer setting, and the words for its responses in reports.
 pub trait Observed: Dialect {

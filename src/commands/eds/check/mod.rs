@@ -4,8 +4,11 @@ mod fixing;
 mod selection;
 
 use super::found::{Description, descriptions};
+use crate::files::Files;
 use crate::output::{Color, Output, diagnostic, terminal_width, unless_closed};
+use crate::shown::{ReportArg, Shown};
 use crate::status::{Failure, Status};
+use crate::whole_file::WholeFile;
 use anyhow::{Context, anyhow};
 use canvass_analyzer::dictionary::Severity;
 use canvass_analyzer::dictionary::check::{Checked, Folder, check_in};
@@ -29,9 +32,8 @@ pub struct Args {
     /// EDS, DCF, XDD and XDC files, and folders of them; - is standard input
     #[arg(required = true, value_name = "FILE")]
     files: Vec<PathBuf>,
-    /// How to print the findings
-    #[arg(long, value_enum, default_value_t)]
-    format: CheckFormat,
+    #[command(flatten)]
+    shown: Shown<CheckFormat>,
     /// The lowest severity of findings that makes the exit status 1
     #[arg(long, value_enum, value_name = "SEVERITY", default_value_t)]
     fail_on: FailOn,
@@ -39,7 +41,7 @@ pub struct Args {
     #[arg(long, conflicts_with = "diff")]
     fix: bool,
     /// Print the changes that --fix would make; the exit status is 1 if there are any
-    #[arg(long, conflicts_with = "format")]
+    #[arg(long, conflicts_with_all = ["format", "report"])]
     diff: bool,
     /// Known findings: the SARIF of an earlier check. They count as waived, so that only new findings fail
     #[arg(long, value_name = "FILE")]
@@ -98,11 +100,16 @@ impl Args {
         let style = Style { colors: color.on_stdout(), width: terminal_width().map_or(140, usize::from) };
         let output = Output::text(style.colors);
         let mut baseline = self.baseline()?;
-        let mut files = Vec::new();
+        let format = self.shown.of_stdout()?;
+        let reports = self.open_reports()?;
+        let (mut files, mut drawn) = (Vec::new(), String::new());
         let mut status = Status::Good;
         for path in descriptions(&self.files)? {
-            match self.one(&path, style, &output, baseline.as_mut()) {
-                Ok(Some(file)) => files.push(file),
+            match self.one(&path, format, style, &output, baseline.as_mut()) {
+                Ok(Some((file, text))) => {
+                    files.push(file);
+                    drawn += &text;
+                }
                 Ok(None) => {}
                 Err(error) if self.files.len() == 1 && !self.files.iter().any(|path| path.is_dir()) => {
                     return Err(error.into());
@@ -118,7 +125,11 @@ impl Args {
             unless_closed(output.flush())?;
             return Ok(if status == Status::Good && !files.is_empty() { Status::Findings } else { status });
         }
-        self.print(&files, &output)?;
+        self.print(&files, format, &output)?;
+        for (format, file) in reports {
+            file.document()?.write_all(self.render(&files, format, &drawn)?.as_bytes())?;
+            file.complete()?;
+        }
         if let Some(gone) = baseline.map(|baseline| baseline.gone()).filter(|gone| *gone > 0) {
             diagnostic(&format!("canvass: {gone} findings of the baseline are gone: --format sarif writes a new one"));
         }
@@ -134,15 +145,16 @@ impl Args {
         Ok(Some(Baseline::read(&text).with_context(|| format!("{}", path.display()))?))
     }
 
-    /// Checks one file, and fixes it with `--fix`. Findings are printed at once as text; other formats get them at
-    /// the end.
+    /// Checks one file, and fixes it with `--fix`. Findings are printed at once as text; other formats, and files, get
+    /// them at the end. Returns what was found, and its text if a file takes it.
     fn one(
         &self,
         path: &std::path::Path,
+        format: CheckFormat,
         style: Style,
         output: &Output,
         baseline: Option<&mut Baseline>,
-    ) -> anyhow::Result<Option<CheckedFile>> {
+    ) -> anyhow::Result<Option<(CheckedFile, String)>> {
         let mut description = Description::read(path)?;
         let wanted = |finding: &_| self.selection.wants(finding);
         if self.fix {
@@ -163,11 +175,14 @@ impl Args {
             if diff.is_empty() {
                 return Ok(None);
             }
-        } else if self.format == CheckFormat::Text {
+        } else if format == CheckFormat::Text {
             let text = text::render(&file, &checked.source, style, self.hints());
             unless_closed(output.append(|buffer| buffer.extend_from_slice(text.as_bytes())))?;
         }
-        Ok(Some(file))
+        let is_kept = self.shown.in_files().any(|report| report.format() == CheckFormat::Text);
+        let plain = Style { colors: false, ..style };
+        let text = if is_kept { text::render(&file, &checked.source, plain, self.hints()) } else { String::new() };
+        Ok(Some((file, text)))
     }
 
     /// Hints are shown where they are asked for, and where they make the check fail.
@@ -176,18 +191,35 @@ impl Args {
         if is_wanted { Hints::Each } else { Hints::Counted }
     }
 
-    fn print(&self, files: &[CheckedFile], output: &Output) -> Result<(), Failure> {
-        let text = match self.format {
+    /// The files of all reports, created before anything is checked, so that an unwritable path is reported at once.
+    fn open_reports(&self) -> anyhow::Result<Vec<(CheckFormat, WholeFile)>> {
+        let read = self.files.iter().filter(|path| !path.is_dir());
+        Files::new().reads(read).writes(self.shown.files())?;
+        let open = |report: &ReportArg<CheckFormat>| Ok((report.format(), WholeFile::create(report.file())?));
+        self.shown.in_files().map(open).collect()
+    }
+
+    /// Prints what was not printed with each file.
+    fn print(&self, files: &[CheckedFile], format: CheckFormat, output: &Output) -> Result<(), Failure> {
+        let text = match format {
             CheckFormat::Text => summary(files, self.hints()),
+            other => self.render(files, other, "")?,
+        };
+        let mut output = output.clone();
+        unless_closed(output.write_all(text.as_bytes()).and_then(|()| Output::flush(&output)))?;
+        Ok(())
+    }
+
+    /// The findings in a format. `drawn` are the findings as text.
+    fn render(&self, files: &[CheckedFile], format: CheckFormat, drawn: &str) -> std::io::Result<String> {
+        Ok(match format {
+            CheckFormat::Text => drawn.to_owned() + &summary(files, self.hints()),
             CheckFormat::Sarif => Printable::pretty_json(&sarif::document(files)).into_string(),
             CheckFormat::Github => files.iter().map(github::render).collect(),
             CheckFormat::Json => self.report(files, Form::Json)?,
             CheckFormat::Markdown => self.report(files, Form::Markdown)?,
             CheckFormat::Junit => self.report(files, Form::Junit)?,
-        };
-        let mut output = output.clone();
-        unless_closed(output.write_all(text.as_bytes()).and_then(|()| Output::flush(&output)))?;
-        Ok(())
+        })
     }
 
     fn report(&self, files: &[CheckedFile], form: Form) -> std::io::Result<String> {

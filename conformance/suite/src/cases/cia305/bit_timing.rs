@@ -1,9 +1,9 @@
 //! Configuration and activation of the bit timing (CiA 305, 6.4.3 and 6.4.4).
 
 use super::dialogue::{breach, configure, exchange, expect_error, expect_plain, wait};
-use super::node_id::RESTART;
 use crate::bench::Bench;
 use crate::case;
+use crate::cases::layer_setting::{RESTART, bit_rate};
 use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::wire::Wire;
 use canvass_analyzer::wire::layer_setting::Dialect;
@@ -104,4 +104,12 @@ fn activate(bench: &mut Bench<'_>) -> Judged {
         let breach = breach("after activate bit timing the device still works");
         breach.expected("an SDO response").found(Observation::Silence)
     }))
+}
+
+/// After activate bit timing the slave uses the bit rate that it has confirmed. The tester follows it to another bit rate,
+/// and brings it back; nothing is stored.
+#[case(id = "305/bit-timing/takes-effect", clause = "CiA 305 6.4.4", confidence = Attested, level = Must,
+       needs = [Lss, Alone, Description], touches = [BitRate], catches = [LssBitTimingWithoutEffect])]
+fn takes_effect(bench: &mut Bench<'_>) -> Judged {
+    bit_rate::takes_effect::<Lss>(bench)
 }

@@ -3,6 +3,7 @@
 use super::dialogue::{breach, configure, exchange, expect_error, observed, set_node_id, shown, wait};
 use crate::bench::Bench;
 use crate::case;
+use crate::cases::layer_setting::RESTART;
 use crate::verdict::{Breach, Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::NodeId;
 use canvass_analyzer::wire::error_control;
@@ -15,9 +16,6 @@ use std::collections::BTreeSet;
 
 /// Wait after a boot-up: the first further frames of the device belong to its start.
 const AFTER_BOOT_UP: Duration = Duration::from_millis(100);
-
-/// Maximum time until a device that activates its node-ID by itself at the end of configuration has done so.
-pub(super) const RESTART: Duration = Duration::from_millis(500);
 
 /// A node-ID that nobody uses.
 pub(super) fn vacant(bench: &Bench<'_>) -> Result<u8, Stop> {

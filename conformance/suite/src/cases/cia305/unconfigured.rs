@@ -4,9 +4,10 @@ use super::dialogue::{
     address, breach, configure, exchange, expect, expect_configuration, node_id, node_ids, observed, set_node_id,
     shown, tell, wait,
 };
-use super::node_id::{RESTART, back_to_own, started_elsewhere};
+use super::node_id::{back_to_own, started_elsewhere};
 use crate::bench::{Bench, is_from};
 use crate::case;
+use crate::cases::layer_setting::RESTART;
 use crate::cases::layer_setting::expect_dialogue;
 use crate::verdict::{Judged, Reason, Stop, demand};
 use canvass_analyzer::NodeId;

@@ -3,6 +3,7 @@
 use super::dialogue::{breach, exchange, expect_error, in_configuration};
 use crate::bench::Bench;
 use crate::case;
+use crate::cases::layer_setting::bit_rate;
 use crate::verdict::{Judged, Precondition, Reason, Stop, demand};
 use canvass_analyzer::Multiplexer;
 use canvass_analyzer::object;
@@ -144,6 +145,14 @@ fn activate(bench: &mut Bench<'_>) -> Judged {
             breach.expected("an SDO response").found(Observation::Silence)
         }))
     })
+}
+
+/// After activate bit timing the slave uses the bit rate that it has confirmed. The tester follows it to another bit rate,
+/// and brings it back; nothing is stored.
+#[case(id = "205/bit-timing/takes-effect", clause = "CiA DS-205", confidence = Unknown, level = Must,
+       needs = [Alone, Lmt, Description], touches = [BitRate], catches = [LmtBitTimingWithoutEffect])]
+fn takes_effect(bench: &mut Bench<'_>) -> Judged {
+    bit_rate::takes_effect::<Lmt>(bench)
 }
 
 /// The slave answers store configuration, with error code 0 if the device can store.
