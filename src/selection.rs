@@ -18,9 +18,8 @@ pub struct Selection {
     /// Only frames of these nodes, such as 5 or 1..8,63
     #[arg(long, value_name = "NODE", value_delimiter = ',')]
     node: Vec<NodeRange>,
-    /// Only frames of these channels, such as can0; of several files, also FILE:CHANNEL
-    #[arg(long, value_name = "NAME", value_delimiter = ',')]
-    channel: Vec<String>,
+    #[command(flatten)]
+    channels: Channels,
     /// Only frames that pass this filter, such as 'service=sdo and node in 1..8 and index=0x6003 or abort'
     #[arg(long, value_name = "EXPRESSION")]
     filter: Option<Filter>,
@@ -29,6 +28,35 @@ pub struct Selection {
     device: Vec<DeviceArg>,
     #[arg(skip)]
     counts: Counts,
+}
+
+/// The option that selects channels.
+#[derive(clap::Args)]
+pub struct Channels {
+    /// Only frames of these channels, such as can0; of several files, also FILE:CHANNEL
+    #[arg(long, value_name = "NAME", value_delimiter = ',')]
+    channel: Vec<String>,
+}
+
+impl Channels {
+    /// Whether a channel is selected.
+    pub fn has(&self, channel: ChannelId, inputs: &Inputs<'_>) -> bool {
+        self.channel.is_empty() || {
+            let (name, own) = (inputs.channels().name(channel), inputs.own_name(channel));
+            self.channel.iter().any(|wanted| wanted == name || wanted == own)
+        }
+    }
+
+    /// Warns of channels that no frame has: they are probably misspelt.
+    pub fn warn_of_unknown(&self, inputs: &Inputs<'_>) {
+        let seen: Vec<&str> = inputs.channels().names().collect();
+        let is_own = |id: usize, wanted: &str| inputs.own_name(ChannelId(id as u16)) == wanted;
+        for wanted in &self.channel {
+            if !seen.iter().enumerate().any(|(id, name)| name == wanted || is_own(id, wanted)) {
+                diagnostic(&format!("canvass: no channel is named {wanted}; there were: {}", seen.join(", ")));
+            }
+        }
+    }
 }
 
 /// Number of frames tested, and number that passed each test.
@@ -75,10 +103,7 @@ impl Selection {
 
     /// Whether a channel is selected.
     pub fn has_channel_id(&self, channel: ChannelId, inputs: &Inputs<'_>) -> bool {
-        self.channel.is_empty() || {
-            let (name, own) = (inputs.channels().name(channel), inputs.own_name(channel));
-            self.channel.iter().any(|wanted| wanted == name || wanted == own)
-        }
+        self.channels.has(channel, inputs)
     }
 
     /// Whether a record is selected; its channel is not checked.
@@ -116,23 +141,13 @@ impl Selection {
 
     /// Warns of nodes, channels and filters that no frame matched: they are probably misspelt.
     pub fn warn_of_nothing(&self, inputs: &Inputs<'_>) {
-        self.warn_of_unknown_channels(inputs);
+        self.channels.warn_of_unknown(inputs);
         let Counts { asked, of_node, tried, passed } = &self.counts;
         if asked.get() > 0 && of_node.get() == 0 && !self.node.is_empty() {
             let nodes: Vec<String> = self.node.iter().map(ToString::to_string).collect();
             diagnostic(&format!("canvass: no frame is of node {} (--node)", nodes.join(", ")));
         } else if tried.get() > 0 && passed.get() == 0 && self.filter.is_some() {
             diagnostic("canvass: no frame passes the filter (`canvass help filter` shows what it can say)");
-        }
-    }
-
-    fn warn_of_unknown_channels(&self, inputs: &Inputs<'_>) {
-        let seen: Vec<&str> = inputs.channels().names().collect();
-        let is_own = |id: usize, wanted: &str| inputs.own_name(canvass_traces::ChannelId(id as u16)) == wanted;
-        for wanted in &self.channel {
-            if !seen.iter().enumerate().any(|(id, name)| name == wanted || is_own(id, wanted)) {
-                diagnostic(&format!("canvass: no channel is named {wanted}; there were: {}", seen.join(", ")));
-            }
         }
     }
 }

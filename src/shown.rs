@@ -6,9 +6,10 @@ use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
 /// A format of a command's result.
-pub trait Format: ValueEnum + Copy + Default + PartialEq + Send + Sync + 'static {}
-
-impl<F: ValueEnum + Copy + Default + PartialEq + Send + Sync + 'static> Format for F {}
+pub trait Format: ValueEnum + Copy + Default + PartialEq + Send + Sync + 'static {
+    /// The name of the default format. clap would keep the default of one command for all of them, so it is not derived.
+    const DEFAULT: &'static str;
+}
 
 /// A value of `--report`: `FORMAT=FILE`.
 #[derive(Clone, Debug)]
@@ -60,7 +61,7 @@ fn names<F: Format>() -> String {
 #[derive(clap::Args)]
 pub struct Shown<F: Format> {
     /// How to print the result
-    #[arg(long, value_enum, default_value_t)]
+    #[arg(long, value_enum, default_value = F::DEFAULT)]
     pub format: F,
     /// Write a report into a file too; can be given several times. FORMAT=- writes to standard output, in place of
     /// --format
@@ -98,4 +99,36 @@ impl<F: Format> Shown<F> {
     pub fn formats(&self) -> impl Iterator<Item = F> {
         self.report.iter().map(|report| report.format).chain([self.format])
     }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[derive(Clone, Copy, Default, PartialEq, ValueEnum)]
+    enum Colour {
+        #[default]
+        Red,
+        Green,
+        Blue,
+    }
+
+    impl Format for Colour {
+        const DEFAULT: &'static str = "red";
+    }
+
+    #[test]
+    fn a_report_is_a_format_and_a_file() {
+        let report: ReportArg<Colour> = "green=a=b.txt".parse().unwrap();
+        assert!(report.format() == Colour::Green && report.file() == Path::new("a=b.txt"));
+        let error = |text: &str| text.parse::<ReportArg<Colour>>().err().unwrap().to_string();
+        assert_eq!(error("pink=a"), "expected red, green or blue, found \"pink\"");
+        assert!(error("green").starts_with("expected FORMAT=FILE"));
+    }
+}
+
+/// Requires that the name of the default format is that of the default format.
+#[cfg(test)]
+pub fn expect_default<F: Format>() {
+    assert!(F::from_str(F::DEFAULT, false).is_ok_and(|named| named == F::default()), "{}", F::DEFAULT);
 }

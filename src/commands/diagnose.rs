@@ -6,12 +6,15 @@ use crate::files::Files;
 use crate::inputs::{InputOptions, Inputs, RecordKind};
 use crate::output::{Color, Output, document, is_terminal, unless_closed};
 use crate::provenance::{Collected, Hashes, Remarks, Subject, Typed};
-use crate::shown::Shown;
+use crate::selection::Channels;
+use crate::shown::{Format, Shown};
 use crate::status::{Failure, Status};
 use crate::time_range::TimeRange;
 use crate::whole_file::WholeFile;
 use anyhow::{Context, anyhow};
+use canvass_analyzer::NodeRange;
 use canvass_analyzer::findings::{Diagnosis, Severity, SourceQuality, Thresholds};
+use canvass_device::address::parse_bit_rate;
 use canvass_device::models::Model;
 use canvass_reports::diagnosis::{Advice, Diagnosed, DiagnosisReport, Reading, html};
 use canvass_reports::document::{Form, Report as _, Style};
@@ -51,6 +54,12 @@ pub struct Args {
     /// The device of a node: a built-in model, or an EDS or DCF file
     #[arg(long, value_name = "NODE=MODEL|FILE")]
     device: Vec<DeviceArg>,
+    /// Only findings that concern these nodes, such as 5 or 1..8,63, with their causes and consequences at others. All
+    /// frames are judged
+    #[arg(long, value_name = "NODE", value_delimiter = ',')]
+    node: Vec<NodeRange>,
+    #[command(flatten)]
+    channels: Channels,
     #[command(flatten)]
     range: TimeRange,
     #[command(flatten)]
@@ -74,6 +83,10 @@ enum DiagnoseFormat {
     Html,
 }
 
+impl Format for DiagnoseFormat {
+    const DEFAULT: &'static str = "table";
+}
+
 #[derive(Clone, Copy, Default, clap::ValueEnum)]
 enum FailOn {
     /// Exit status 1 with errors
@@ -93,16 +106,6 @@ impl FailOn {
             Self::Never => None,
         }
     }
-}
-
-/// Parses a bit rate in bit/s, with an optional `k` or `M`.
-fn parse_bit_rate(text: &str) -> Result<u32, String> {
-    let (digits, factor) = match text.strip_suffix(['k', 'K']) {
-        Some(digits) => (digits, 1_000),
-        None => text.strip_suffix(['M', 'm']).map_or((text, 1), |digits| (digits, 1_000_000)),
-    };
-    let rate = digits.parse::<u32>().ok().and_then(|rate| rate.checked_mul(factor));
-    rate.filter(|rate| (1_000..=1_000_000).contains(rate)).ok_or_else(|| "expected 1k to 1M, such as 250k".to_owned())
 }
 
 /// The options that show the parts that the table leaves out.
@@ -133,20 +136,26 @@ impl Args {
                 reading.interrupted(inputs.merge())?;
             }
             reading.see_channel(inputs.record().channel, inputs.merge());
-            if kind == RecordKind::Record && range.contains(inputs.record().timestamp) {
+            let channel = inputs.record().channel;
+            let is_wanted = range.contains(inputs.record().timestamp) && self.channels.has(channel, &inputs);
+            if kind == RecordKind::Record && is_wanted {
                 inputs.hand_over(&mut reading)?;
             }
         }
         let captures = inputs.captures();
         let sources: Vec<_> =
             captures.iter().map(|capture| SourceQuality { name: capture.name, quality: capture.quality }).collect();
-        let (results, collector) = reading.finish(inputs.merge(), &sources)?;
+        let (mut results, collector) = reading.finish(inputs.merge(), &sources)?;
+        if !self.node.is_empty() {
+            results.keep_nodes(|node| self.node.iter().any(|range| range.contains(node)));
+        }
         provenance.files(hashes.finish());
         provenance.nodes_of(&results, inputs.channels());
         let provenance = &provenance.0;
         let diagnosed = Diagnosed { results: &results, channels: inputs.channels(), captures: &captures, provenance };
         self.show(&diagnosed, collector, color, destinations)?;
         drop(captures);
+        self.channels.warn_of_unknown(&inputs);
         inputs.finish()?;
         let fails = |least| results.findings.iter().any(|finding| finding.severity >= least);
         Ok(if self.fail_on.least().is_some_and(fails) { Status::Findings } else { Status::Good })
@@ -261,5 +270,14 @@ impl Destination {
             // The exit status does not depend on a reader that closes the pipe early.
             None => Ok(unless_closed(written)?),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn the_default_format_has_its_name() {
+        crate::shown::expect_default::<super::DiagnoseFormat>();
+        crate::shown::expect_default::<crate::commands::test::reports::ReportFormat>();
     }
 }

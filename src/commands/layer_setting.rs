@@ -10,6 +10,7 @@ use canvass_analyzer::wire::layer_setting::{
 };
 use canvass_analyzer::wire::lss::Lss;
 use canvass_bus::client::Exchange;
+use canvass_device::address;
 use canvass_reports::escape::Printable;
 use canvass_traces::{Duration, Record, Timestamp};
 
@@ -69,12 +70,7 @@ impl Wish {
 
 /// Parses a bit rate, and returns its row in table 0 of LSS or LMT.
 pub fn parse_bit_rate<D: Dialect>(text: &str) -> Result<u8> {
-    let number = |digits: &str, factor: u32| digits.parse::<u32>().ok()?.checked_mul(factor);
-    let rate = match text.char_indices().last() {
-        Some((at, 'k' | 'K')) => number(&text[..at], 1_000),
-        Some((at, 'M')) => number(&text[..at], 1_000_000),
-        _ => number(text, 1),
-    };
+    let rate = address::parse_bit_rate(text).ok();
     rate.and_then(D::bit_rate_index).with_context(|| {
         let known: Vec<_> = (0..=u8::MAX).filter_map(D::bit_rate).map(|rate| format!("{}k", rate / 1000)).collect();
         format!("expected one of {}, found \"{text}\"", known.join(", "))

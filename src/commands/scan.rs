@@ -1,5 +1,7 @@
 //! `canvass scan`: finds the nodes on a bus and reads their identities.
 
+mod bit_rate;
+
 use crate::interrupt::Interrupt;
 use crate::live::{ClientArg, Live, parse_span};
 use crate::output::{TextOrJson, print};
@@ -15,6 +17,7 @@ use canvass_bus::client::Exchange;
 use canvass_bus::client::lss::{LssAddress, ScanStep};
 use canvass_bus::client::sdo::{Outcome, Transfer};
 use canvass_bus::{BusError, PatientBus};
+use canvass_device::address::parse_bit_rate;
 use canvass_device::models::Model;
 use canvass_reports::escape::{Printable, printable};
 use canvass_traces::{Duration, Record, Timestamp};
@@ -34,10 +37,14 @@ pub struct Args {
     /// Only listen: send nothing
     #[arg(long)]
     passive: bool,
+    /// The bit rate of the bus, such as 250k; auto finds it by listening at one after the other, without sending or
+    /// acknowledging anything
+    #[arg(long, value_name = "RATE|auto", value_parser = BitRate::parse)]
+    bit_rate: Option<BitRate>,
     /// Leave out Fastscan
     #[arg(long)]
     no_lss: bool,
-    /// How long to listen for heartbeats
+    /// How long to listen for heartbeats, and at each bit rate
     #[arg(long, default_value = "1.2s", value_name = "SPAN", value_parser = parse_span)]
     listen: Duration,
     /// How long to wait for answers
@@ -53,6 +60,24 @@ pub struct Args {
     client: ClientArg,
     #[command(flatten)]
     reconnect: ReconnectArg,
+}
+
+/// A value of `--bit-rate`.
+#[derive(Clone, Copy)]
+enum BitRate {
+    /// Is looked for.
+    Auto,
+    /// In bit/s.
+    Known(u32),
+}
+
+impl BitRate {
+    fn parse(text: &str) -> Result<Self, String> {
+        if text.eq_ignore_ascii_case("auto") {
+            return Ok(Self::Auto);
+        }
+        parse_bit_rate(text).map(Self::Known).map_err(|error| format!("{error}, or auto"))
+    }
 }
 
 /// The facts about a node.
@@ -87,7 +112,8 @@ impl Args {
         let ends = live.bus.now() + self.span;
         // `Live` has waited for the boot-up of the simulated device, which proves the node as a heartbeat would.
         let nodes = live.simulated_node().map(|node| (node, Found::default())).into_iter().collect();
-        let mut scan = Scan { nodes, unconfigured: None, is_complete: false };
+        let bit_rate = self.take_bit_rate(&mut live, &interrupt)?;
+        let mut scan = Scan { bit_rate, nodes, unconfigured: None, is_complete: false };
         let found = self.find(&mut live, &interrupt, ends, &mut last, &mut scan);
         // If the bus was lost, the nodes found before are printed all the same.
         match self.format {
@@ -107,6 +133,22 @@ impl Args {
         }
         let found = !scan.nodes.is_empty() || scan.unconfigured.is_some();
         Ok(if found { Status::Good } else { Status::Unreachable })
+    }
+
+    /// Takes part in the bus at the bit rate that is asked for; returns the one that was found.
+    fn take_bit_rate(&self, live: &mut Live, interrupt: &Interrupt) -> Result<Option<bit_rate::Heard>, Failure> {
+        let failed = |error: BusError| Failure::unreachable(anyhow::Error::new(error));
+        match self.bit_rate {
+            None => Ok(None),
+            Some(BitRate::Known(rate)) => live.bus.set_bit_rate(rate).map(|()| None).map_err(failed),
+            Some(BitRate::Auto) => {
+                let search = bit_rate::search(live.bus.as_mut(), self.listen, interrupt).map_err(failed)?;
+                match search.found() {
+                    Some(heard) => Ok(Some(*heard)),
+                    None => Err(Failure::unreachable(anyhow!("{}", search.failure()))),
+                }
+            }
+        }
     }
 
     fn find(
@@ -170,6 +212,8 @@ fn undisturbed<T>(
 
 /// The nodes and the unconfigured device that a scan found.
 struct Scan {
+    /// The bit rate that `--bit-rate auto` found.
+    bit_rate: Option<bit_rate::Heard>,
     nodes: BTreeMap<NodeId, Found>,
     /// The device that Fastscan found.
     unconfigured: Option<Scanned>,
@@ -309,9 +353,12 @@ fn vendor_of(model: &Model) -> Option<u32> {
     start.or(model.description().device.vendor_number)
 }
 
-fn text(Scan { nodes, unconfigured: scanned, .. }: &Scan) -> String {
+fn text(Scan { bit_rate, nodes, unconfigured: scanned, .. }: &Scan) -> String {
     // Writing to a string can't fail.
     let mut text = String::new();
+    if let Some(heard) = bit_rate {
+        let _ = writeln!(text, "bit rate {} kbit/s", heard.bit_rate / 1_000);
+    }
     for (node, found) in nodes {
         let state = found.state.map_or_else(|| "no heartbeat".to_owned(), |state| state.to_string());
         let state = if found.state == Some(State(0)) { "has just started".to_owned() } else { state };
@@ -347,13 +394,13 @@ fn text(Scan { nodes, unconfigured: scanned, .. }: &Scan) -> String {
              serial number {serial:08X}h (canvass lss fastscan BUS --assign NODE gives it one)"
         );
     }
-    if text.is_empty() {
+    if nodes.is_empty() && scanned.is_none() {
         text.push_str("no node was found\n");
     }
     text
 }
 
-fn json(Scan { nodes, unconfigured: scanned, is_complete }: &Scan) -> Value {
+fn json(Scan { bit_rate, nodes, unconfigured: scanned, is_complete }: &Scan) -> Value {
     let row = |(node, found): (&NodeId, &Found)| {
         let [vendor, product, revision, serial] = [1, 2, 3, 4].map(|sub| found.part(sub));
         let [name, hardware, software] = NAMES.map(|(index, _)| found.text(index));
@@ -379,6 +426,7 @@ fn json(Scan { nodes, unconfigured: scanned, is_complete }: &Scan) -> Value {
     json!({
         "schema": "canvass/scan/1",
         "complete": is_complete,
+        "bit_rate": bit_rate.map(|heard| heard.bit_rate),
         "nodes": nodes.iter().map(row).collect::<Vec<_>>(),
         "unconfigured": unconfigured,
         "fastscan_configured": scanned.and_then(|scanned| scanned.node).map(NodeId::raw),

@@ -124,6 +124,23 @@ fn the_result_goes_to_a_file() {
     assert_eq!(to_stdout.stdout, written);
 }
 
+/// `--node` and `--channel` choose what is told; the exit status is that of what is told.
+#[test]
+fn nodes_and_channels_are_chosen() {
+    let two = format!("{RESTART}{}", RESTART.replace("can0 705", "can1 706").replace("can0 085", "can1 086"));
+    let nodes = |args: &[&str]| {
+        let (status, told) = json(&[&["diagnose", "-", "--format", "json"], args].concat(), &two);
+        let nodes = told["findings"].as_array().unwrap().iter().filter_map(|finding| finding["node"].as_u64());
+        (status, nodes.collect::<std::collections::BTreeSet<u64>>())
+    };
+    assert_eq!(nodes(&[]), (1, [5, 6].into()));
+    assert_eq!(nodes(&["--node", "6"]), (1, [6].into()));
+    assert_eq!(nodes(&["--channel", "can0"]), (1, [5].into()));
+    assert_eq!(nodes(&["--node", "1..4,7"]), (0, [].into()));
+    let misspelt = run_with_input(&["diagnose", "-", "--channel", "can7"], &two);
+    assert!(misspelt.stderr.contains("no channel is named can7; there were: can0, can1"), "{}", misspelt.stderr);
+}
+
 /// One run writes every format, each as it would be on standard output.
 #[test]
 fn reports_go_to_files_beside_standard_output() {

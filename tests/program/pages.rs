@@ -26,15 +26,16 @@ fn shown(page: &str) -> Vec<Shown> {
     all
 }
 
-/// The output of a command in a folder that has the samples; a simulated encoder stands in for a device on vcan0.
-fn printed(folder: &Path, command: &str) -> String {
+/// The output of a command and its exit status, in a folder that has the samples; a simulated encoder stands in for a
+/// device on vcan0.
+fn printed(folder: &Path, command: &str) -> (String, Option<i32>) {
     let program = Path::new(env!("CARGO_BIN_EXE_canvass")).parent().unwrap();
     let path = format!("{}:{}", program.display(), std::env::var("PATH").unwrap());
     let command = command.replace("vcan0", "sim:kuebler-sendix-58x8");
     let mut shell = Command::new("sh");
     shell.args(["-c", &command]).current_dir(folder).env("PATH", path).stdin(Stdio::null());
     let ended = shell.output().unwrap();
-    String::from_utf8([ended.stdout, ended.stderr].concat()).unwrap()
+    (String::from_utf8([ended.stdout, ended.stderr].concat()).unwrap(), ended.status.code())
 }
 
 /// A line without the time of its frame, which a later version may change.
@@ -46,15 +47,24 @@ fn timeless(line: &str) -> String {
     }
 }
 
+/// The exit status that a shown line names.
+fn status(line: &str) -> Option<i32> {
+    line.strip_prefix("(exit status ")?.strip_suffix(')')?.parse().ok()
+}
+
 /// Checks that the program prints the shown lines in their order; `…` stands for further lines.
 fn check(page: &str, folder: &Path, at_least: usize) {
     let text = std::fs::read_to_string(Path::new(ROOT).join(page)).unwrap();
     let mut lines = 0;
     for Shown { command, lines: shown } in shown(&text) {
-        let printed = printed(folder, &command);
+        let (printed, ended) = printed(folder, &command);
         let mut rest = printed.lines();
         for line in shown.iter().filter(|line| !line.trim().is_empty() && line.trim() != "…") {
             lines += 1;
+            if let Some(status) = status(line) {
+                assert_eq!(ended, Some(status), "{page}: {command}\n{printed}");
+                continue;
+            }
             let begins = timeless(line.trim_end_matches('…').trim_end());
             assert!(
                 rest.any(|printed| timeless(printed).starts_with(&begins)),
@@ -75,6 +85,7 @@ fn terminals_in_the_documentation_are_real() {
         ("README.md", 15),
         ("docs/captures.md", 6),
         ("docs/conformance.md", 8),
+        ("docs/ways.md", 40),
         ("docs/evidence.md", 1),
         ("docs/outputs.md", 3),
         ("docs/fuzzing.md", 5),

@@ -9,6 +9,7 @@
 
 mod bus;
 mod capture;
+mod chosen;
 mod context;
 mod diagnosis;
 mod dispatch;

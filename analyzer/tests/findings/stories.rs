@@ -54,6 +54,41 @@ fn a_node_that_others_wait_for() {
     assert!(first("nodes/lost") < first("nodes/consumer-time"));
 }
 
+/// The findings of one node keep their cause at another one; what concerns neither is left out.
+#[test]
+fn the_findings_of_a_node_keep_their_cause() {
+    let mut traffic = machine();
+    traffic.sdo(600, 3, "2316100196000100", "6016100100000000");
+    traffic.silence(0x701, 25_000, END).at(25_070, "083#3081110000000000");
+    traffic.silence(0x703, 25_080, END).every(25_160, END, 100, |_| "703#7F".to_owned());
+    traffic.silence(0x183, 25_080, END).silence(0x283, 25_080, END);
+    // Another node reports an error of its own.
+    traffic.at(5_000, "082#1042090000000000").at(6_000, "082#0000000000000000");
+    let all = traffic.results();
+    let of = |node: u8| {
+        let mut results = traffic.results();
+        results.keep_nodes(|other| other.raw() == node);
+        check(&results);
+        results
+    };
+    let third = of(3);
+    assert_eq!(third.stories.len(), 1);
+    assert_eq!(head(&third, &third.stories[0]), ("nodes/lost", Some(1)));
+    assert_eq!(
+        consequences(&third, &third.stories[0]),
+        all.stories
+            .iter()
+            .find(|story| head(&all, story) == ("nodes/lost", Some(1)))
+            .map(|story| consequences(&all, story))
+            .unwrap()
+    );
+    assert!(third.buses.iter().flat_map(|(_, bus)| &bus.nodes).all(|(node, _)| node.raw() == 3));
+    let second = of(2);
+    assert!(second.findings.iter().all(|finding| finding.node.map(|node| node.raw()) == Some(2)));
+    assert!(!second.findings.is_empty() && second.findings.len() + third.findings.len() <= all.findings.len());
+    assert!(of(99).findings.is_empty());
+}
+
 /// Sixty objects that a device lacks are one story, which lists the objects.
 #[test]
 fn aborts_of_the_same_kind_are_one() {

@@ -121,6 +121,16 @@ pub trait Bus {
     fn set_bit_rate(&mut self, bit_rate: u32) -> Result<(), BusError> {
         Err(BusError::FixedBitRate { bit_rate })
     }
+
+    /// Changes the bit rate, in bit/s, and only listens: this end neither sends nor acknowledges frames, so that it
+    /// disturbs nobody at a wrong bit rate. [`Bus::set_bit_rate`] ends that.
+    ///
+    /// # Errors
+    /// [`BusError::NeverSilent`] if this end can't do that.
+    fn listen_at(&mut self, bit_rate: u32) -> Result<(), BusError> {
+        let _ = bit_rate;
+        Err(BusError::NeverSilent)
+    }
 }
 
 /// Why a bus does not work. The device under test is never the cause.
@@ -148,6 +158,12 @@ pub enum BusError {
         /// The requested bit rate in bit/s.
         bit_rate: u32,
     },
+    /// This end of the bus can't only listen.
+    #[error(
+        "this end of the bus can't listen without acknowledging frames: use an adapter with SLCAN, one of PEAK, or \
+         SocketCAN with the right to configure interfaces"
+    )]
+    NeverSilent,
     /// This build lacks the interface.
     #[error("{address}: {interface} is not available in this build")]
     Unavailable {

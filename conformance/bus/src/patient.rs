@@ -162,6 +162,10 @@ impl Bus for PatientBus<'_> {
     fn set_bit_rate(&mut self, bit_rate: u32) -> Result<(), BusError> {
         self.bus.set_bit_rate(bit_rate)
     }
+
+    fn listen_at(&mut self, bit_rate: u32) -> Result<(), BusError> {
+        self.bus.listen_at(bit_rate)
+    }
 }
 
 #[cfg(test)]

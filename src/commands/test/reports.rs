@@ -36,6 +36,10 @@ pub enum ReportFormat {
     PdfSummary,
 }
 
+impl shown::Format for ReportFormat {
+    const DEFAULT: &'static str = "table";
+}
+
 impl ReportFormat {
     /// Whether the report is no text.
     const fn is_binary(self) -> bool {

@@ -110,7 +110,8 @@ pub fn program_for_windows() -> PathBuf {
 
 /// Runs cargo for a release: the program tells the commit from which it was made.
 fn release(cargo: &mut Command) -> Result<()> {
-    eprintln!("$ {cargo:?}");
+    let words: Vec<_> = cargo.get_args().map(std::ffi::OsStr::to_string_lossy).collect();
+    eprintln!("$ cargo {}", words.join(" "));
     let status = cargo.env("CANVASS_COMMIT", commit()).status().context("cargo")?;
     ensure!(status.success(), "cargo ended with {status}");
     Ok(())

@@ -49,6 +49,8 @@ struct Shared {
 /// A change of the bit rate, as an index into [`BIT_RATES`], and the channel for its result.
 struct Change {
     index: u8,
+    /// Whether the adapter then only listens.
+    listens: bool,
     done: Sender<Result<(), SlCanError>>,
 }
 
@@ -209,8 +211,22 @@ impl Bus for SlCan {
         if self.bridge.is_some() {
             return Err(BusError::FixedBitRate { bit_rate });
         }
+        self.change(bit_rate, false)
+    }
+
+    fn listen_at(&mut self, bit_rate: u32) -> Result<(), BusError> {
+        if self.bridge.is_some() {
+            return Err(BusError::NeverSilent);
+        }
+        self.change(bit_rate, true)
+    }
+}
+
+impl SlCan {
+    /// Lets the reading thread close the channel and open it again.
+    fn change(&mut self, bit_rate: u32, listens: bool) -> Result<(), BusError> {
         let (done, answer) = channel();
-        let change = Change { index: index_of(bit_rate)?, done };
+        let change = Change { index: index_of(bit_rate)?, listens, done };
         *self.shared.change.lock().unwrap_or_else(PoisonError::into_inner) = Some(change);
         let Ok(changed) = answer.recv_timeout(CHANGE) else {
             // The change must not happen later, when the caller no longer expects it.
@@ -333,14 +349,20 @@ mod tests {
         let refused = bus.set_bit_rate(800_000).unwrap_err().to_string();
         assert!(refused.contains("refuses to set the bit rate"), "{refused}");
         assert_eq!(bus.bit_rate(), Some(500_000));
+        bus.listen_at(125_000).unwrap();
+        assert_eq!(bus.bit_rate(), Some(125_000));
+        bus.set_bit_rate(500_000).unwrap();
         bus.send(&frame(5)).unwrap();
         assert_eq!(bus.health().interruptions, 0);
         drop(bus);
         let told = adapter.join().unwrap();
         let told: Vec<&str> = told.iter().map(String::as_str).filter(|line| !matches!(*line, "" | "F")).collect();
-        let changes =
-            ["C", "S5", "Z1", "O", "C", "S6", "Z1", "O", "C", "S7", "C", "S6", "Z1", "O", "t005405000000", "C"];
-        assert_eq!(told, changes);
+        let changes = [
+            &["C", "S5", "Z1", "O", "C", "S6", "Z1", "O", "C", "S7", "C", "S6", "Z1", "O"][..],
+            // It only listens, and takes part again.
+            &["C", "S4", "Z1", "L", "C", "S6", "Z1", "O", "t005405000000", "C"],
+        ];
+        assert_eq!(told, changes.concat());
     }
 
     #[test]

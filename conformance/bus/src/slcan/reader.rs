@@ -30,6 +30,8 @@ pub(super) struct Reader {
     shared: Arc<Shared>,
     place: Place,
     bit_rate: Option<u8>,
+    /// Whether the adapter only listens.
+    listens: bool,
     port: Option<Box<dyn Read + Send>>,
     /// Time of the last received byte, or of the opening.
     heard: Instant,
@@ -56,6 +58,7 @@ impl Reader {
             shared,
             place,
             bit_rate,
+            listens: false,
             port: None,
             heard: Instant::now(),
             decoder: Decoder::default(),
@@ -118,18 +121,19 @@ impl Reader {
         }
         // If the adapter refuses timestamps, frames get their time of arrival.
         self.tell(Command::Timestamps(true))?;
-        if self.tell(Command::Open)? == Some(false) {
+        let command = if self.listens { Command::Listen } else { Command::Open };
+        if self.tell(command)? == Some(false) {
             return Err(open);
         }
         Ok(())
     }
 
-    /// Opens the channel at another bit rate, or at the old one if the adapter refuses the new one.
-    fn change_bit_rate(&mut self, index: u8) -> Result<(), SlCanError> {
-        let before = self.bit_rate.replace(index);
+    /// Opens the channel at another bit rate, or as it was if the adapter refuses.
+    fn change_bit_rate(&mut self, index: u8, listens: bool) -> Result<(), SlCanError> {
+        let before = (self.bit_rate.replace(index), std::mem::replace(&mut self.listens, listens));
         let changed = self.reopen_channel();
         if changed.is_err() {
-            self.bit_rate = before;
+            (self.bit_rate, self.listens) = before;
             self.reopen_channel()?;
         }
         changed
@@ -202,9 +206,9 @@ impl Reader {
                 Err(error) => self.lose(&error),
             }
             let change = shared.change.lock().unwrap_or_else(PoisonError::into_inner).take();
-            if let Some(Change { index, done }) = change {
+            if let Some(Change { index, listens, done }) = change {
                 // The caller may have stopped waiting.
-                let _ = done.send(self.change_bit_rate(index));
+                let _ = done.send(self.change_bit_rate(index, listens));
             }
             if self.has_status && asked.elapsed() >= STATUS {
                 asked = Instant::now();

@@ -3,7 +3,7 @@
 
 use super::error::SocketCanError;
 use super::link::{Link, io_error};
-use socketcan::nl::CanInterface;
+use socketcan::nl::{CanCtrlMode, CanInterface};
 use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -11,11 +11,17 @@ use std::sync::atomic::{AtomicBool, Ordering};
 const POSSIBLE: std::ops::RangeInclusive<u32> = 1..=1_000_000;
 
 /// Takes the interface down, sets its bit rate and brings it up again. If the kernel refuses the new bit rate, the
-/// interface keeps the old one. `goes_down` is true while this program keeps the interface down.
+/// interface keeps the old one. `goes_down` is true while this program keeps the interface down. `listens` switches
+/// listen-only on or off; `None` leaves it as it is.
 ///
 /// # Errors
 /// [`SocketCanError`] with a remedy.
-pub(super) fn set(interface: &str, bit_rate: u32, goes_down: &AtomicBool) -> Result<(), SocketCanError> {
+pub(super) fn set(
+    interface: &str,
+    bit_rate: u32,
+    listens: Option<bool>,
+    goes_down: &AtomicBool,
+) -> Result<(), SocketCanError> {
     let failed = |source| SocketCanError::BitRate {
         interface: interface.to_owned(),
         bit_rate,
@@ -35,7 +41,8 @@ pub(super) fn set(interface: &str, bit_rate: u32, goes_down: &AtomicBool) -> Res
         goes_down.store(false, Ordering::SeqCst);
         return Err(failed(io_error(error)));
     }
-    let set = open.set_bitrate(bit_rate, None);
+    let listening = listens.map_or(Ok(()), |on| open.set_ctrlmode(CanCtrlMode::ListenOnly, on));
+    let set = listening.and_then(|()| open.set_bitrate(bit_rate, None));
     // The interface comes up with the new bit rate or, after an error, with the old one.
     open.bring_up().map_err(|error| failed(io_error(error)))?;
     set.map_err(|error| failed(io_error(error)))
@@ -48,8 +55,8 @@ mod tests {
     #[test]
     fn only_interfaces_with_a_controller_have_one() {
         let goes_down = AtomicBool::new(false);
-        assert!(matches!(set("lo", 500_000, &goes_down), Err(SocketCanError::NotCan { .. })));
-        assert!(matches!(set("no-such-can", 500_000, &goes_down), Err(SocketCanError::NoInterface { .. })));
+        assert!(matches!(set("lo", 500_000, None, &goes_down), Err(SocketCanError::NotCan { .. })));
+        assert!(matches!(set("no-such-can", 500_000, Some(true), &goes_down), Err(SocketCanError::NoInterface { .. })));
         assert!(!goes_down.into_inner());
     }
 }

@@ -34,6 +34,8 @@ pub struct SocketCan {
     /// The sending end of a pipe. The receiving thread holds the other end, and ends when this one is closed.
     open: Option<PipeWriter>,
     bit_rate: Option<u32>,
+    /// Whether this program has made a listener of the interface.
+    listens: bool,
     losses: Cell<Losses>,
     /// The value of the unused bytes of sent frames.
     padding: u8,
@@ -108,7 +110,15 @@ impl SocketCan {
         let receiver = Receiver::new(Arc::clone(&shared), end);
         let thread = std::thread::Builder::new().name(format!("receive {interface}"));
         let receiver = thread.spawn(move || receiver.run()).map_err(failed("receive from"))?;
-        Ok(Self { shared, receiver: Some(receiver), open: Some(open), bit_rate: link.bit_rate, losses, padding: 0 })
+        Ok(Self {
+            shared,
+            receiver: Some(receiver),
+            open: Some(open),
+            bit_rate: link.bit_rate,
+            listens: false,
+            losses,
+            padding: 0,
+        })
     }
 
     /// Checks the kernel's support, independently of interfaces.
@@ -248,7 +258,19 @@ impl Bus for SocketCan {
     /// Needs the capability to configure the network (`CAP_NET_ADMIN`). The interface keeps the new bit rate after this
     /// program ends.
     fn set_bit_rate(&mut self, bit_rate: u32) -> Result<(), BusError> {
-        let set = bit_rate::set(&self.shared.interface, bit_rate, &self.shared.goes_down);
+        // An interface that somebody else has made a listener remains one.
+        self.change(bit_rate, self.listens.then_some(false))
+    }
+
+    /// As [`Bus::set_bit_rate`]: the interface would only listen after the end of this program, too.
+    fn listen_at(&mut self, bit_rate: u32) -> Result<(), BusError> {
+        self.change(bit_rate, Some(true))
+    }
+}
+
+impl SocketCan {
+    fn change(&mut self, bit_rate: u32, listens: Option<bool>) -> Result<(), BusError> {
+        let set = bit_rate::set(&self.shared.interface, bit_rate, listens, &self.shared.goes_down);
         let end = self.now() + DOWN;
         // The receiving thread notices a little later that the interface went down.
         while self.shared.goes_down.load(Ordering::SeqCst) && self.now() < end {
@@ -257,6 +279,7 @@ impl Bus for SocketCan {
         self.shared.goes_down.store(false, Ordering::SeqCst);
         set?;
         self.bit_rate = Some(bit_rate);
+        self.listens = listens.unwrap_or(self.listens);
         Ok(())
     }
 }

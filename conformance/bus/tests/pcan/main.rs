@@ -206,6 +206,10 @@ fn the_bit_rate_is_changed_with_the_channel_closed() {
     let wrong = bus.set_bit_rate(123_456).unwrap_err().to_string();
     assert!(wrong.contains("123456") && wrong.contains("125k"), "{wrong}");
     assert_eq!((stand_in.open_with(), bus.bit_rate()), (Some((0x001C, false, 2)), Some(500_000)));
+    bus.listen_at(125_000).unwrap();
+    assert_eq!((stand_in.open_with(), bus.bit_rate()), (Some((0x031C, true, 3)), Some(125_000)));
+    bus.set_bit_rate(500_000).unwrap();
+    assert_eq!((stand_in.open_with(), bus.bit_rate()), (Some((0x001C, false, 4)), Some(500_000)));
     bus.send(&frame(5, &[1])).unwrap();
     assert_eq!((stand_in.sent().len(), bus.health().interruptions), (1, 0));
 }

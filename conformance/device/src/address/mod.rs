@@ -285,8 +285,11 @@ fn pcan(rest: &str) -> Result<BusAddress, String> {
 /// The highest bit rate of classical CAN.
 const HIGHEST_BIT_RATE: u32 = 1_000_000;
 
-/// Parses a bit rate, 1000 to 1 000 000 bit/s.
-pub(super) fn parse_bit_rate(text: &str) -> Result<u32, String> {
+/// Parses a bit rate in bit/s, 1000 to 1 000 000, with an optional `k` or `M`.
+///
+/// # Errors
+/// What was expected, and what was found.
+pub fn parse_bit_rate(text: &str) -> Result<u32, String> {
     let (digits, factor) = match text.strip_suffix(['k', 'K']) {
         Some(digits) => (digits, 1_000),
         None => text.strip_suffix(['M', 'm']).map_or((text, 1), |digits| (digits, 1_000_000)),

@@ -6,7 +6,7 @@ mod selection;
 use super::found::{Description, descriptions};
 use crate::files::Files;
 use crate::output::{Color, Output, diagnostic, terminal_width, unless_closed};
-use crate::shown::{ReportArg, Shown};
+use crate::shown::{Format, ReportArg, Shown};
 use crate::status::{Failure, Status};
 use crate::whole_file::WholeFile;
 use anyhow::{Context, anyhow};
@@ -68,6 +68,10 @@ enum CheckFormat {
     Markdown,
     /// Commands of GitHub's workflows
     Github,
+}
+
+impl Format for CheckFormat {
+    const DEFAULT: &'static str = "text";
 }
 
 #[derive(Clone, Copy, Default, clap::ValueEnum)]
@@ -239,5 +243,13 @@ fn summary(files: &[CheckedFile], hints: Hints) -> String {
     match counts.fixable {
         0 => text,
         number => format!("{text}{number} can be fixed with --fix; --diff shows what would change\n"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #[test]
+    fn the_default_format_has_its_name() {
+        crate::shown::expect_default::<super::CheckFormat>();
     }
 }

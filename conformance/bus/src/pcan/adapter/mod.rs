@@ -44,6 +44,8 @@ struct Shared {
 /// A change of the bit rate, in bit/s, and the channel for its result.
 struct Change {
     bit_rate: u32,
+    /// Whether the adapter then only listens.
+    listens: bool,
     done: Sender<Result<(), PcanError>>,
 }
 
@@ -147,10 +149,20 @@ impl Bus for Pcan {
         Some(self.bit_rate)
     }
 
-    /// Closes the channel and opens it again at the new bit rate.
     fn set_bit_rate(&mut self, bit_rate: u32) -> Result<(), BusError> {
+        self.change(bit_rate, false)
+    }
+
+    fn listen_at(&mut self, bit_rate: u32) -> Result<(), BusError> {
+        self.change(bit_rate, true)
+    }
+}
+
+impl Pcan {
+    /// Lets the receiving thread close the channel and open it again.
+    fn change(&mut self, bit_rate: u32, listens: bool) -> Result<(), BusError> {
         let (done, answer) = channel();
-        let change = Change { bit_rate, done };
+        let change = Change { bit_rate, listens, done };
         *self.shared.change.lock().unwrap_or_else(PoisonError::into_inner) = Some(change);
         let Ok(changed) = answer.recv_timeout(CHANGE) else {
             // The change must not happen later, when the caller no longer expects it.

@@ -26,6 +26,8 @@ const BATCH: usize = 256;
 pub(super) struct Receiver {
     shared: Arc<Shared>,
     bit_rate: u32,
+    /// Whether the adapter only listens for the time being, besides what its address says.
+    listens: bool,
     /// The wake-up signal; `None` while the channel is closed.
     wake: Option<Wake>,
     hardware: HardwareClock,
@@ -70,6 +72,7 @@ impl Receiver {
         let mut receiver = Self {
             shared,
             bit_rate,
+            listens: false,
             wake: None,
             hardware: HardwareClock::default(),
             records: Vec::with_capacity(BATCH),
@@ -84,12 +87,12 @@ impl Receiver {
     fn connect(&mut self, bit_rate: u32) -> Result<(), PcanError> {
         let registers = registers(bit_rate).ok_or(PcanError::BitRate(bit_rate))?;
         let Shared { library, channel, listen_only, .. } = &*self.shared;
-        let channel = *channel;
+        let (channel, listens) = (*channel, *listen_only || self.listens);
         let failed = |action| move |status| PcanError::Failed { channel, action, status };
         let done = |status: Status| if status.failure() == Status::OK { Ok(()) } else { Err(status) };
         // Listen-only is set before the channel is opened, so that the adapter never acknowledges a frame.
-        let silent = library.set(channel, Parameter::LISTEN_ONLY, &u32::from(*listen_only).to_ne_bytes());
-        if *listen_only {
+        let silent = library.set(channel, Parameter::LISTEN_ONLY, &u32::from(listens).to_ne_bytes());
+        if listens {
             done(silent).map_err(failed("make a listener of"))?;
         }
         done(library.initialize(channel, registers)).map_err(failed("open"))?;
@@ -121,9 +124,9 @@ impl Receiver {
         let shared = Arc::clone(&self.shared);
         while !shared.inbox.is_closed() {
             let change = shared.change.lock().unwrap_or_else(PoisonError::into_inner).take();
-            if let Some(Change { bit_rate, done }) = change {
+            if let Some(Change { bit_rate, listens, done }) = change {
                 // The caller may have stopped waiting.
-                let _ = done.send(self.change_bit_rate(bit_rate));
+                let _ = done.send(self.change_bit_rate(bit_rate, listens));
             }
             let Some(wake) = &self.wake else {
                 std::thread::sleep(RETRY);
@@ -148,13 +151,15 @@ impl Receiver {
     }
 
     /// Opens the channel at another bit rate, or at the old one if the new one fails.
-    fn change_bit_rate(&mut self, bit_rate: u32) -> Result<(), PcanError> {
-        let before = self.bit_rate;
+    fn change_bit_rate(&mut self, bit_rate: u32, listens: bool) -> Result<(), PcanError> {
+        let before = (self.bit_rate, self.listens);
         registers(bit_rate).ok_or(PcanError::BitRate(bit_rate))?;
         self.disconnect();
+        self.listens = listens;
         let changed = self.connect(bit_rate);
         if changed.is_err() {
-            self.connect(before)?;
+            self.listens = before.1;
+            self.connect(before.0)?;
         }
         changed
     }
