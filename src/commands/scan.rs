@@ -37,9 +37,9 @@ pub struct Args {
     /// Only listen: send nothing
     #[arg(long)]
     passive: bool,
-    /// The bit rate of the bus, such as 250k; auto finds it by listening at one after the other, without sending or
+    /// The bit rate of the bus, such as 250k. The word auto finds it by listening at one after the other, without sending or
     /// acknowledging anything
-    #[arg(long, value_name = "RATE|auto", value_parser = BitRate::parse)]
+    #[arg(long, value_name = "RATE", value_parser = BitRate::parse)]
     bit_rate: Option<BitRate>,
     /// Leave out Fastscan
     #[arg(long)]

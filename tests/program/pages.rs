@@ -84,12 +84,35 @@ fn terminals_in_the_documentation_are_real() {
     for (page, at_least) in [
         ("README.md", 15),
         ("docs/captures.md", 6),
-        ("docs/conformance.md", 8),
+        ("docs/conformance.md", 7),
         ("docs/ways.md", 40),
         ("docs/evidence.md", 1),
         ("docs/outputs.md", 3),
         ("docs/fuzzing.md", 5),
     ] {
         check(page, folder.path(), at_least);
+    }
+}
+
+/// The versions in a text: three numbers with dots, behind `canvass` on a line that is no command of an example.
+fn versions(text: &str) -> Vec<&str> {
+    text.lines()
+        .filter(|line| !line.starts_with('$'))
+        .filter_map(|line| line.split_once("canvass"))
+        .flat_map(|(_, rest)| rest.split(|c: char| !c.is_ascii_digit() && c != '.'))
+        .map(|word| word.trim_matches('.'))
+        .filter(|word| word.split('.').count() == 3 && word.split('.').all(|part| !part.is_empty()))
+        .collect()
+}
+
+#[test]
+fn pages_that_name_a_version_name_that_of_the_program() {
+    for page in
+        ["README.md", "docs/install.md", "docs/ci.md", "docs/editors.md", "docs/python.md", "editors/vscode/README.md"]
+    {
+        let text = std::fs::read_to_string(Path::new(ROOT).join(page)).unwrap();
+        let versions = versions(&text);
+        assert!(!versions.is_empty(), "{page}");
+        assert!(versions.iter().all(|version| *version == env!("CARGO_PKG_VERSION")), "{page}: {versions:?}");
     }
 }

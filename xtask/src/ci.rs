@@ -5,6 +5,7 @@ use crate::attack;
 use crate::browser;
 use crate::compiled::FEATURES;
 use crate::consent;
+use crate::dist::{self, dist};
 use crate::docs;
 use crate::fleet;
 use crate::fuzz::fuzz;
@@ -82,12 +83,18 @@ const NIGHTLY: [CiStep; 11] = [
     CiStep { name: "real SocketCAN", alone: "cargo xtask vcan", run: on_vcan },
     CiStep { name: "Windows, by Wine", alone: "cargo xtask windows", run: windows::test },
     CiStep { name: "fuzz targets", alone: "cargo xtask fuzz", run: || fuzz(FUZZ_AT_NIGHT) },
-    CiStep { name: "wheel", alone: "cargo xtask wheel", run: python::wheel },
+    CiStep { name: "release files", alone: "cargo xtask dist; cargo xtask dist --check", run: release_files },
     CiStep { name: "attack", alone: "cargo xtask attack --for 10m", run: attacked_long },
     CiStep { name: "as found", alone: "cargo xtask as-found --all", run: || as_found(&["--all".to_owned()]) },
     CiStep { name: "storm", alone: "cargo xtask storm", run: storm },
     CiStep { name: "incidents", alone: "cargo xtask incidents", run: || incidents(&[]) },
 ];
+
+/// Makes the release files, and installs, runs and removes each of them.
+fn release_files() -> Result<()> {
+    dist(&[])?;
+    dist(&[dist::CHECK.to_owned()])
+}
 
 /// Runs all steps of CI: format, lints, documentation, all tests, with their set-up.
 pub fn ci() -> Result<()> {

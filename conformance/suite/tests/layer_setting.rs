@@ -66,6 +66,10 @@ impl Bus for Between {
     fn bit_rate(&self) -> Option<u32> {
         self.inner.bit_rate()
     }
+
+    fn set_bit_rate(&mut self, bit_rate: u32) -> Result<(), BusError> {
+        self.inner.set_bit_rate(bit_rate)
+    }
 }
 
 /// Runs these cases in order on the same device.

@@ -117,9 +117,14 @@ fn listen(bus: &mut dyn Bus, bit_rate: u32, span: Duration, interrupt: &Interrup
     /// How soon Ctrl-C is noticed.
     const SLICE: Duration = Duration::from_millis(50);
     let mut heard = Heard { bit_rate, frames: 0, errors: 0 };
-    let end = bus.now() + span;
+    let begin = bus.now();
+    let end = begin + span;
     while bus.now() < end && heard.frames < PROOF && !interrupt.came() {
         let Some(record) = bus.receive(end.min(bus.now() + SLICE))? else { continue };
+        // What was received at the bit rate before waits in the adapter.
+        if record.timestamp < begin {
+            continue;
+        }
         match record.frame.is_error() {
             true => heard.errors += 1,
             false => heard.frames += 1,
@@ -147,6 +152,7 @@ mod tests {
         let write = canvass_traces::parse_frame("60A#2B17100064000000").unwrap().frame;
         bus.receive(Timestamp::ZERO + Duration::from_secs(1)).unwrap();
         bus.send(&write).unwrap();
+        while bus.receive(bus.now() + Duration::from_millis(20)).unwrap().is_some() {}
         bus.set_bit_rate(met_at).unwrap();
         bus
     }

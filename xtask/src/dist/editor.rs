@@ -41,7 +41,7 @@ fn package(target: &str, program: &Path) -> Result<String> {
     for file in ["package.json", "README.md", "icon.png", "language-configuration.json", ".vscodeignore"] {
         fs::copy(Path::new(SOURCE).join(file), folder.join(file)).context(file)?;
     }
-    for file in ["LICENSE-MIT", "LICENSE-APACHE", "CHANGELOG.md"] {
+    for file in ["LICENSE-MIT", "LICENSE-APACHE"] {
         fs::copy(file, folder.join(file)).context(file)?;
     }
     fs::create_dir_all(folder.join("server"))?;

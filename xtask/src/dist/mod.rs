@@ -29,7 +29,7 @@ pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 const ADDRESS: &str = "CANVASS_ADDRESS";
 
 /// The option that checks instead of making.
-const CHECK: &str = "--check";
+pub const CHECK: &str = "--check";
 
 /// A part of the release.
 struct Part {

@@ -11,6 +11,11 @@ use std::process::Command;
 /// The name of this part of the release.
 pub const ID: &str = "msi";
 const WIXL: Package = Package { program: "wixl", probe: &["--version"], package: "wixl" };
+const MSITOOLS: Package = Package { program: "msiinfo", probe: &["--version"], package: "msitools" };
+/// The table of environment variables, which wixl does not know: the folder of the program is the last one in the PATH.
+const ENVIRONMENT: &str = "packaging/Environment.idt";
+/// The actions that follow this table, and their places in the sequence, which Microsoft's documentation gives.
+const ACTIONS: [(&str, u16); 2] = [("RemoveEnvironmentStrings", 3300), ("WriteEnvironmentStrings", 5200)];
 
 /// The endings of files, and what their context menu offers: verbs with the arguments of canvass.
 pub type Menu = (&'static [&'static str], &'static [(&'static str, &'static str)]);
@@ -24,7 +29,7 @@ pub const MENUS: [Menu; 2] = [
 /// Fetches what makes the installer.
 pub fn prepare() -> Result<()> {
     ensure!(system::program_for_windows().exists(), "it holds the program for Windows: cargo xtask dist windows");
-    packages::install(&[WIXL])
+    packages::install(&[WIXL, MSITOOLS])
 }
 
 /// The installer.
@@ -36,10 +41,24 @@ pub fn make() -> Result<Vec<String>> {
     fs::write(&source, text)?;
     let file = format!("canvass-{VERSION}-{}.msi", windows::TARGET);
     let output = Path::new(FOLDER).join(&file);
-    let status = Command::new(WIXL.program).args(["--arch", "x64", "--output"]).arg(output).arg(source).status();
+    let status = Command::new(WIXL.program).args(["--arch", "x64", "--output"]).arg(&output).arg(source).status();
     let status = status.context("wixl")?;
     ensure!(status.success(), "wixl ended with {status}");
+    add_environment(&output)?;
     Ok(vec![file])
+}
+
+fn add_environment(installer: &Path) -> Result<()> {
+    let mut msibuild = Command::new("msibuild");
+    msibuild.arg(installer).args(["-i", ENVIRONMENT]);
+    for (action, sequence) in ACTIONS {
+        let columns = "`Action`, `Condition`, `Sequence`";
+        let row = format!("INSERT INTO `InstallExecuteSequence` ({columns}) VALUES ('{action}', '', {sequence})");
+        msibuild.args(["-q", &row]);
+    }
+    let status = msibuild.status().context("msibuild")?;
+    ensure!(status.success(), "msibuild ended with {status}");
+    Ok(())
 }
 
 /// The registry key of a verb.

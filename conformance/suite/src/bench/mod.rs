@@ -190,6 +190,11 @@ impl<'a> Bench<'a> {
         self.traffic.bit_rate()
     }
 
+    /// Whether another client has sent anything to the device during the run.
+    pub(crate) fn has_other_clients(&self) -> bool {
+        !self.traffic.clients.messages_of_run().is_empty()
+    }
+
     /// Changes the tester's own bit rate, in bit/s: the device is to be followed.
     ///
     /// # Errors

@@ -257,7 +257,7 @@ impl Bench<'_> {
             let period = Duration::from_millis(u64::from(time) + u64::from(time / 4)) + LONGEST_HEARTBEAT;
             return Ok(self.heard_state(period)? == Some(State::OPERATIONAL));
         }
-        if !self.traffic.clients.messages_of_run().is_empty() {
+        if self.has_other_clients() {
             // Until the user has allowed a test beside others, the tester only reads.
             return Ok(false);
         }

@@ -45,14 +45,19 @@ impl Rates {
         Ok(Self { own, other, all })
     }
 
-    /// Makes sure that this end of the bus can follow, before the device is told anything.
+    /// Makes sure that this end of the bus can follow, before the device is told anything, and that nobody is left behind.
     fn probe(&self, bench: &mut Bench<'_>) -> Result<(), Stop> {
-        let can = bench.try_bit_rate(self.other);
-        bench.set_bit_rate(self.own)?;
-        can.map_err(|error| {
-            let reason = Reason::new("the tester can change its bit rate", "a change", error.to_string());
-            Stop::NotApplicable(reason)
-        })
+        if bench.has_other_clients() {
+            let found = "requests of another client, which stays at the old bit rate".to_owned();
+            return Err(Stop::NotApplicable(Reason::new("the tester alone uses the bus", "no other client", found)));
+        }
+        match bench.try_bit_rate(self.other) {
+            Ok(()) => bench.set_bit_rate(self.own),
+            Err(error) => {
+                let reason = Reason::new("the tester can change its bit rate", "a change", error.to_string());
+                Err(Stop::NotApplicable(reason))
+            }
+        }
     }
 }
 
