@@ -1,7 +1,7 @@
 //! The list of components: valid by the schema of CycloneDX, and complete.
 
 use super::output;
-use crate::dist::{components, file, tools};
+use crate::dist::{components, file, system, tools};
 use anyhow::{Context, Result, ensure};
 use serde_json::Value;
 use std::fs;
@@ -23,7 +23,7 @@ pub fn validate() -> Result<String> {
     let list: Value = serde_json::from_slice(&fs::read(&list)?)?;
     let listed = list["components"].as_array().context("components")?;
     let tree = ["tree", "--package", "canvass", "--edges", "normal", "--prefix", "none", "--format", "{p}"];
-    let tree = output(Command::new("cargo").args(tree))?;
+    let tree = output(Command::new("cargo").args(tree).args(["--target", system::X86_64.target]))?;
     for library in tree.lines() {
         let mut words = library.split(' ');
         let (name, version) = (words.next().context("a name")?, words.next().context("a version")?);

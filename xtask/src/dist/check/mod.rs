@@ -37,7 +37,11 @@ pub fn all(parts: &[&'static Part]) -> Result<()> {
             Ok(did) => did.clone(),
             Err(error) => format!("FAILED: {error:#}"),
         };
-        for file in files(part.id).unwrap_or_default() {
+        let files = files(part.id).unwrap_or_default();
+        if files.is_empty() {
+            println!("| {} | | {did} |", part.name);
+        }
+        for file in files {
             let bytes = fs::metadata(&file).map(|data| data.len()).unwrap_or_default();
             println!("| `{}` | {bytes} | {did} |", file.file_name().unwrap_or_default().to_string_lossy());
         }
@@ -58,7 +62,7 @@ fn exercise(program: &dyn Fn(&[&str]) -> Command, sample: &str) -> Result<()> {
     let first = decoded.lines().next().unwrap_or_default().trim_end();
     ensure!(first == DECODED, "decode: expected {DECODED:?}, found {first:?}");
     let tested = output(&mut program(&TEST))?;
-    ensure!(tested.contains(" pass") && !tested.contains("✗"), "test: expected cases that pass, found {tested}");
+    ensure!(tested.contains("cases none failed"), "test: expected that no case fails, found {tested}");
     Ok(())
 }
 

@@ -3,7 +3,7 @@
 use super::{absolute, clean, output};
 use crate::consent;
 use crate::dist::{FOLDER, VERSION, npm, tools};
-use crate::packages;
+use crate::packages::{self, Package};
 use crate::run::run as run_program;
 use anyhow::{Context, Result, ensure};
 use std::fs;
@@ -12,8 +12,10 @@ use std::process::Command;
 
 /// Runs the steps of a composite action as GitHub's runner does.
 const STEPS: &str = "packaging/ci/steps.py";
-/// A program that runs pipelines of GitLab, components included.
-const GITLAB: (&str, &str) = ("gitlab-ci-local", "4.75.1");
+/// A program that runs pipelines of GitLab, components included; this version is the last one for Node 20. It copies by
+/// rsync.
+const GITLAB: (&str, &str) = ("gitlab-ci-local", "4.61.1");
+const RSYNC: Package = Package { program: "rsync", probe: &["--version"], package: "rsync" };
 const TOOLS: &str = "target/dist-gitlab";
 
 /// A job of each kind: its command, its arguments, its exit status, and what its summary tells.
@@ -26,14 +28,14 @@ const JOBS: [(&str, &str, i32, &str); 5] = [
         "segment-toggle",
     ),
     ("fuzz", "sim:reference-301 --runs 50 --seed 1", 0, "reference-301"),
-    ("diagnose", "'a capture.log'", 0, "node"),
+    ("diagnose", "'a capture.log'", 1, "emcy/raised"),
     ("eds check", "'an encoder.eds' --select eds/pdo", 1, "eds/pdo/length"),
 ];
 
 /// Runs each job by both.
 pub fn run() -> Result<String> {
     tools::VENV.install()?;
-    packages::install(&[npm::NPM])?;
+    packages::install(&[npm::NPM, RSYNC])?;
     for job in &JOBS {
         by_github(job).with_context(|| format!("GitHub: {} {}", job.0, job.1))?;
     }

@@ -14,7 +14,9 @@ pub fn install() -> Result<String> {
     for system in system::LINUX {
         let root = clean("rpm")?;
         let program = root.join("usr/bin/canvass");
-        output(rpm(&root).args(["--install", "--ignorearch"]).arg(file("rpm", system.rpm)?.canonicalize()?))?;
+        output(
+            rpm(&root).args(["--install", "--nodeps", "--ignorearch"]).arg(file("rpm", system.rpm)?.canonicalize()?),
+        )?;
         let told = output(rpm(&root).args(["--query", "--queryformat", "%{VERSION} %{LICENSE}", "canvass"]))?;
         ensure!(told == format!("{} MIT OR Apache-2.0", crate::dist::VERSION), "rpm tells {told:?}");
         let sample = sample_in(&root)?;
@@ -25,7 +27,7 @@ pub fn install() -> Result<String> {
                 exercise(&|words| archives::runner(system, &program, words), &sample)?;
             }
         }
-        output(rpm(&root).args(["--erase", "canvass"]))?;
+        output(rpm(&root).args(["--erase", "--nodeps", "canvass"]))?;
         ensure!(!program.exists(), "the program is still there after the package was removed");
     }
     Ok("installed by rpm in an empty system, run, removed".to_owned())
@@ -34,6 +36,6 @@ pub fn install() -> Result<String> {
 /// rpm with its database in this root. Debian's rpm has no database of its own, so nothing tells it what Linux provides.
 fn rpm(root: &Path) -> Command {
     let mut rpm = Command::new("rpm");
-    rpm.arg("--root").arg(root).args(["--nodeps", "--define", "_dbpath /var/lib/rpm"]);
+    rpm.arg("--root").arg(root).args(["--define", "_dbpath /var/lib/rpm"]);
     rpm
 }
