@@ -101,6 +101,12 @@ impl<F: Format> Shown<F> {
     }
 }
 
+/// Requires that the name of the default format is that of the default format.
+#[cfg(test)]
+pub fn expect_default<F: Format>() {
+    assert!(F::from_str(F::DEFAULT, false).is_ok_and(|named| named == F::default()), "{}", F::DEFAULT);
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -125,10 +131,4 @@ mod tests {
         assert_eq!(error("pink=a"), "expected red, green or blue, found \"pink\"");
         assert!(error("green").starts_with("expected FORMAT=FILE"));
     }
-}
-
-/// Requires that the name of the default format is that of the default format.
-#[cfg(test)]
-pub fn expect_default<F: Format>() {
-    assert!(F::from_str(F::DEFAULT, false).is_ok_and(|named| named == F::default()), "{}", F::DEFAULT);
 }

@@ -204,8 +204,39 @@ fn what_is_wrong_is_refused_and_ends_nothing() {
         editor.reply("textDocument/hover", json!({ "textDocument": { "uri": URI }, "position": 7 })),
         Err(-32602)
     );
-    assert_eq!(editor.reply("textDocument/rename", json!({ "textDocument": { "uri": URI } })), Err(-32601));
+    assert_eq!(editor.reply("textDocument/rename", json!({ "textDocument": { "uri": URI } })), Err(-32602));
+    assert_eq!(editor.reply("textDocument/inlayHint", json!({ "textDocument": { "uri": URI } })), Err(-32601));
+    assert_eq!(editor.reply("workspace/executeCommand", json!({ "command": "format" })), Err(-32601));
     editor.tell("textDocument/didChange", json!({ "nonsense": 1 }));
+    editor.end();
+}
+
+/// An object gets another index everywhere; sections fold; objects of all open files are found by name.
+#[test]
+fn objects_are_renamed_folded_and_found() {
+    let mut editor = Editor::start(&["utf-8"]);
+    editor.open(TEXT);
+    editor.found();
+    let begin = editor.ask("textDocument/prepareRename", place("1=0x1018", 5));
+    assert_eq!(begin["end"]["character"].as_u64().unwrap() - begin["start"]["character"].as_u64().unwrap(), 4);
+    let renamed = |to: &str| {
+        let mut asked = place("1=0x1018", 5);
+        asked["newName"] = to.into();
+        asked
+    };
+    let edit = editor.ask("textDocument/rename", renamed("0x2018"));
+    let edits = edit["changes"][URI].as_array().unwrap();
+    assert_eq!(edits.len(), TEXT.matches("1018").count());
+    assert!(edits.iter().all(|edit| edit["newText"] == "2018"));
+    for wrong in ["vendor", "20180", "1018"] {
+        assert_eq!(editor.reply("textDocument/rename", renamed(wrong)), Err(-32602), "{wrong}");
+    }
+    let folds = editor.ask("textDocument/foldingRange", json!({ "textDocument": { "uri": URI } }));
+    let sections = TEXT.lines().filter(|line| line.starts_with('[')).count();
+    assert!(folds.as_array().unwrap().len() <= sections && folds.as_array().unwrap().len() > 3, "{folds}");
+    let found = editor.ask("workspace/symbol", json!({ "query": "vendor" }));
+    let names: Vec<_> = found.as_array().unwrap().iter().map(|symbol| symbol["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["1018sub1 Vendor-ID"]);
     editor.end();
 }
 

@@ -7,14 +7,15 @@ use canvass_analyzer::dictionary::check::{Checked, Finding, Folder, apply_fixes,
 use canvass_analyzer::dictionary::editor::{self, Symbol};
 use canvass_analyzer::dictionary::source::Source;
 use lsp_types::request::{
-    CodeActionRequest, CodeActionResolveRequest, Completion, DocumentSymbolRequest, Formatting, GotoDefinition,
-    HoverRequest, References, Request as _,
+    CodeActionRequest, CodeActionResolveRequest, Completion, DocumentSymbolRequest, FoldingRangeRequest, Formatting,
+    GotoDefinition, HoverRequest, PrepareRenameRequest, References, Rename, Request as _,
 };
 use lsp_types::{
     CodeAction, CodeActionKind, CodeActionParams, CompletionItem, CompletionItemKind, CompletionParams,
-    CompletionTextEdit, Diagnostic, DiagnosticSeverity, DocumentSymbol, Documentation, GotoDefinitionParams, Hover,
-    HoverContents, HoverParams, Location, MarkupContent, MarkupKind, NumberOrString, Position, ReferenceParams,
-    SymbolKind, TextEdit, Uri, WorkspaceEdit,
+    CompletionTextEdit, Diagnostic, DiagnosticSeverity, DocumentSymbol, Documentation, FoldingRange,
+    GotoDefinitionParams, Hover, HoverContents, HoverParams, Location, MarkupContent, MarkupKind, NumberOrString,
+    OneOf, Position, ReferenceParams, RenameParams, SymbolKind, TextDocumentPositionParams, TextEdit, Uri,
+    WorkspaceEdit, WorkspaceSymbol,
 };
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json, to_string};
@@ -59,8 +60,67 @@ impl Answers<'_> {
             CodeActionRequest::METHOD => answer(params, |asked: CodeActionParams| self.actions(&asked)),
             CodeActionResolveRequest::METHOD => answer(params, |offered: CodeAction| self.resolved(offered)),
             Formatting::METHOD => to_string(&self.fixed()),
+            FoldingRangeRequest::METHOD => to_string(&self.folds()),
+            PrepareRenameRequest::METHOD => answer(params, |asked: TextDocumentPositionParams| {
+                let named = editor::renamed_at(self.source(), self.at(asked.position));
+                to_string(&named.map(|(_, range)| self.document.range(&range, self.units)))
+            }),
+            Rename::METHOD => answer(params, |asked: RenameParams| self.renamed(&asked)),
             _ => return None,
         })
+    }
+
+    /// The symbols whose name or description has this text in it.
+    pub fn symbols(&self, query: &str) -> Vec<WorkspaceSymbol> {
+        let query = query.to_lowercase();
+        let all = editor::outline(self.source()).into_iter().flat_map(|mut symbol| {
+            let entries = std::mem::take(&mut symbol.entries);
+            std::iter::once(symbol).chain(entries)
+        });
+        let named = all.map(|symbol| {
+            let name = format!("{} {}", symbol.name, symbol.detail).trim_end().to_owned();
+            (name, symbol)
+        });
+        named
+            .filter(|(name, _)| name.to_lowercase().contains(&query))
+            .map(|(name, symbol)| WorkspaceSymbol {
+                name,
+                kind: kind_of(&symbol),
+                tags: None,
+                container_name: None,
+                location: OneOf::Left(self.location(&symbol.selected)),
+                data: None,
+            })
+            .collect()
+    }
+
+    /// Sections can be folded, and an object with its entries.
+    fn folds(&self) -> Vec<FoldingRange> {
+        let fold = |symbol: &Symbol| {
+            let range = self.document.range(&symbol.whole, self.units);
+            FoldingRange { start_line: range.start.line, end_line: range.end.line, ..FoldingRange::default() }
+        };
+        let all = editor::outline(self.source());
+        let nested = all.iter().flat_map(|symbol| std::iter::once(symbol).chain(&symbol.entries));
+        nested.map(fold).filter(|fold| fold.end_line > fold.start_line).collect()
+    }
+
+    /// The edits that give an object another index: four hexadecimal digits, as `2018`, `0x2018` or `2018h`.
+    fn renamed(&self, asked: &RenameParams) -> Answer {
+        let new = asked.new_name.trim();
+        let digits = new.trim_start_matches("0x").trim_start_matches("0X").trim_end_matches(['h', 'H']);
+        let wrong = |text: String| <serde_json::Error as serde::de::Error>::custom(text);
+        let index = u16::from_str_radix(digits, 16).ok().filter(|_| digits.len() == 4);
+        let index = index.ok_or_else(|| wrong(format!("expected an index such as 2018, found \"{new}\"")))?;
+        let at = self.at(asked.text_document_position.position);
+        let edits = editor::rename(self.source(), at, index);
+        let edits = edits.ok_or_else(|| {
+            wrong(format!(
+                "expected the index of an object, and one that the file does not have yet, found {index:04X}h"
+            ))
+        })?;
+        let edit = |(range, new_text)| TextEdit { range: self.document.range(&range, self.units), new_text };
+        to_string(&self.workspace_edit(edits.into_iter().map(edit).collect()))
     }
 
     fn text(&self) -> &str {
@@ -162,9 +222,9 @@ impl Answers<'_> {
     #[expect(deprecated, reason = "the type has a deprecated member that is left unset")]
     fn symbol(&self, symbol: Symbol) -> DocumentSymbol {
         DocumentSymbol {
+            kind: kind_of(&symbol),
             name: symbol.name,
             detail: Some(symbol.detail),
-            kind: if symbol.is_object { SymbolKind::OBJECT } else { SymbolKind::NAMESPACE },
             tags: None,
             deprecated: None,
             range: self.document.range(&symbol.whole, self.units),
@@ -221,6 +281,11 @@ impl Answers<'_> {
         clippy::mutable_key_type,
         reason = "lsp_types prescribes this map; its keys do not change while it is in use"
     )]
+    fn workspace_edit(&self, edits: Vec<TextEdit>) -> WorkspaceEdit {
+        let changes = HashMap::from([(self.uri.clone(), edits)]);
+        WorkspaceEdit { changes: Some(changes), ..WorkspaceEdit::default() }
+    }
+
     fn action(
         &self,
         title: String,
@@ -228,12 +293,11 @@ impl Answers<'_> {
         edits: Vec<TextEdit>,
         diagnostics: Option<Vec<Diagnostic>>,
     ) -> CodeAction {
-        let changes = HashMap::from([(self.uri.clone(), edits)]);
         CodeAction {
             title,
             kind: Some(kind),
             diagnostics,
-            edit: Some(WorkspaceEdit { changes: Some(changes), ..WorkspaceEdit::default() }),
+            edit: Some(self.workspace_edit(edits)),
             ..CodeAction::default()
         }
     }
@@ -246,6 +310,10 @@ impl Answers<'_> {
         let (from, old, new) = changed(self.text(), &fixed);
         vec![TextEdit { range: self.document.range(&(from..from + old), self.units), new_text: new.to_owned() }]
     }
+}
+
+fn kind_of(symbol: &Symbol) -> SymbolKind {
+    if symbol.is_object { SymbolKind::OBJECT } else { SymbolKind::NAMESPACE }
 }
 
 /// The first differing byte of two texts, and the differing part of each.

@@ -8,11 +8,12 @@ use lsp_server::{Connection, ErrorCode, Message, Notification, Request, RequestI
 use lsp_types::notification::{
     DidChangeTextDocument, DidCloseTextDocument, DidOpenTextDocument, Notification as _, PublishDiagnostics,
 };
+use lsp_types::request::{Request as _, WorkspaceSymbolRequest};
 use lsp_types::{
     ClientCapabilities, CodeActionKind, CodeActionOptions, CodeActionProviderCapability, CompletionOptions,
-    DidChangeTextDocumentParams, DidCloseTextDocumentParams, DidOpenTextDocumentParams, HoverProviderCapability,
-    InitializeParams, OneOf, PublishDiagnosticsParams, ServerCapabilities, TextDocumentSyncCapability,
-    TextDocumentSyncKind, Uri,
+    DidChangeTextDocumentParams, DidCloseTextDocumentParams, DidOpenTextDocumentParams, FoldingRangeProviderCapability,
+    HoverProviderCapability, InitializeParams, OneOf, PublishDiagnosticsParams, RenameOptions, ServerCapabilities,
+    TextDocumentSyncCapability, TextDocumentSyncKind, Uri, WorkDoneProgressOptions,
 };
 use serde::de::DeserializeOwned;
 use serde_json::{Value, json, to_string};
@@ -50,6 +51,12 @@ impl Session {
             references_provider: Some(OneOf::Left(true)),
             document_symbol_provider: Some(OneOf::Left(true)),
             document_formatting_provider: Some(OneOf::Left(true)),
+            folding_range_provider: Some(FoldingRangeProviderCapability::Simple(true)),
+            rename_provider: Some(OneOf::Right(RenameOptions {
+                prepare_provider: Some(true),
+                work_done_progress_options: WorkDoneProgressOptions::default(),
+            })),
+            workspace_symbol_provider: Some(OneOf::Left(true)),
             code_action_provider: Some(CodeActionProviderCapability::Options(CodeActionOptions {
                 code_action_kinds: Some(vec![CodeActionKind::QUICKFIX, CodeActionKind::SOURCE_FIX_ALL]),
                 resolve_provider: Some(true),
@@ -146,6 +153,16 @@ impl Session {
         let Request { id, method, params } = asked;
         // A request to resolve an action carries the file's URI in the action's data.
         let named = params.pointer("/textDocument/uri").or_else(|| params.pointer("/data/uri"));
+        if method == WorkspaceSymbolRequest::METHOD {
+            let query = params.get("query").and_then(Value::as_str).unwrap_or_default();
+            let found: Vec<_> =
+                self.documents.iter().flat_map(|(uri, document)| self.answers(uri, document).symbols(query)).collect();
+            return to_string(&json!({ "jsonrpc": "2.0", "id": id, "result": found }));
+        }
+        if named.is_none() {
+            // All other requests that are supported name a file.
+            return refused(&id, ErrorCode::MethodNotFound, &format!("{method} is not supported"));
+        }
         let uri = named.cloned().and_then(read::<Uri>);
         let Some((uri, document)) = uri.and_then(|uri| Some((uri.clone(), self.documents.get(&uri)?))) else {
             return refused(&id, ErrorCode::InvalidParams, "no open file has this name");

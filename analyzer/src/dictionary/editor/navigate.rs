@@ -33,6 +33,34 @@ pub fn references(source: &Source<'_>, at: usize) -> Vec<Range<usize>> {
     found
 }
 
+/// The index of the object mentioned at `at`, and the range of its name there.
+pub fn renamed_at(source: &Source<'_>, at: usize) -> Option<(u16, Range<usize>)> {
+    let wanted = named_at(source, at)?;
+    let place = references(source, at).into_iter().find(|range| range.start <= at && at <= range.end)?;
+    Some((wanted.index.0, digits(source, &place)?))
+}
+
+/// The edits that give the object mentioned at `at` another index, in its sections, in lists and in mappings: the ranges of
+/// digits to replace, and the new digits. `None` if no object is mentioned, or an object with the new index is
+/// described already.
+pub fn rename(source: &Source<'_>, at: usize, index: u16) -> Option<Vec<(Range<usize>, String)>> {
+    named_at(source, at)?;
+    if sections(source).any(|section| section.address().is_some_and(|(at, _)| at.index.0 == index)) {
+        return None;
+    }
+    let edits = references(source, at).into_iter();
+    Some(edits.filter_map(|range| Some((digits(source, &range)?, format!("{index:04X}")))).collect())
+}
+
+/// The digits of the index in a section's name (`1018sub1`) or in a value (`0x1018`, `0x10180120`).
+fn digits(source: &Source<'_>, range: &Range<usize>) -> Option<Range<usize>> {
+    let text = source.text.get(range.clone())?;
+    let start = if text.get(..2).is_some_and(|begin| begin.eq_ignore_ascii_case("0x")) { 2 } else { 0 };
+    let rest = text.get(start..)?;
+    let length = rest.bytes().take(4).take_while(u8::is_ascii_hexdigit).count();
+    (length > 0).then(|| range.start + start..range.start + start + length)
+}
+
 /// The sections of an EDS or DCF; empty for XML.
 pub(super) fn sections<'s>(source: &'s Source<'_>) -> impl Iterator<Item = Section<'s>> {
     source.elements().filter(|_| !source.is_xml())

@@ -117,3 +117,24 @@ proptest::proptest! {
         proptest::prop_assert!(outline(&source).iter().all(|symbol| is_in(&symbol.whole) && is_in(&symbol.selected)));
     }
 }
+
+/// An object gets another index wherever it is named; entries of other objects stay.
+#[test]
+fn an_object_gets_another_index() {
+    let source = Source::of_text(TEXT);
+    let renamed = |what: &str, more, index| {
+        let edits = rename(&source, at(what, more), index)?;
+        let mut text = TEXT.to_owned();
+        for (range, digits) in edits.into_iter().rev() {
+            text.replace_range(range, &digits);
+        }
+        Some(text)
+    };
+    let identity = renamed("[1018sub1]", 3, 0x2018).unwrap();
+    assert_eq!(identity, TEXT.replace("1018", "2018"));
+    let mapped = renamed("0x60040020", 5, 0x6104).unwrap();
+    assert_eq!(mapped, TEXT.replace("6004", "6104"));
+    assert_eq!(renamed("0x60040020", 5, 0x1018), None, "there is an object with this index");
+    assert_eq!(renamed("VendorName", 2, 0x2018), None);
+    assert_eq!(renamed_at(&source, at("1=0x1018", 5)), Some((0x1018, at("1=0x1018", 4)..at("1=0x1018", 8))));
+}
