@@ -22,6 +22,8 @@ impl Surroundings {
             given("threshold", []),
             given("bit-rate", []),
             given("device", devices),
+            given("node", []),
+            given("channel", []),
             given("from", []),
             given("to", []),
             given("format-in", format.map(str::to_owned)),
