@@ -7,7 +7,8 @@ use std::str::FromStr;
 
 /// A format of a command's result.
 pub trait Format: ValueEnum + Copy + Default + PartialEq + Send + Sync + 'static {
-    /// The name of the default format. clap would keep the default of one command for all of them, so it is not derived.
+    /// The name of the variant that `default()` returns. clap's `default_value_t` stores the default of the first command in
+    /// a static, and all other commands would get that one.
     const DEFAULT: &'static str;
 }
 
@@ -101,7 +102,7 @@ impl<F: Format> Shown<F> {
     }
 }
 
-/// Requires that the name of the default format is that of the default format.
+/// Requires that [`Format::DEFAULT`] names the variant that `F::default()` returns.
 #[cfg(test)]
 pub fn expect_default<F: Format>() {
     assert!(F::from_str(F::DEFAULT, false).is_ok_and(|named| named == F::default()), "{}", F::DEFAULT);

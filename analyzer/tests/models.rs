@@ -1,5 +1,7 @@
 //! The device descriptions that come with the program are without fault.
 
+use canvass_analyzer::dictionary::editor::rename;
+use canvass_analyzer::dictionary::source::Source;
 use canvass_analyzer::dictionary::{Access, DataType, Setting, Value, consistency, eds};
 use canvass_analyzer::{Multiplexer, NodeId};
 
@@ -63,4 +65,42 @@ fn contradictions_to_the_standards() {
     assert_eq!(found("tr-c65"), [&["[1018] : none"], &both[..]].concat());
     let count = "[1018sub0] DataType: UNSIGNED32 instead of UNSIGNED8";
     assert_eq!(found("tr-lmp30"), [&[count], &both[..]].concat());
+}
+
+/// In every description of the project, each object gets another index and its own one back: meanwhile the dictionary has
+/// the same objects but for that index, and nothing is left of the old one.
+#[test]
+fn every_object_takes_another_index_and_comes_back() {
+    let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/../conformance/device/models");
+    let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let mut tried = 0;
+    for path in files.filter(|path| path.extension().is_some_and(|extension| extension == "eds")) {
+        let text = String::from_utf8_lossy(&std::fs::read(&path).unwrap()).into_owned();
+        let indexes = |text: &str| -> Vec<u16> {
+            let description = eds::read(text.as_bytes()).unwrap();
+            let mut all: Vec<u16> = description.dictionary.entries().map(|(at, _)| at.index.0).collect();
+            all.sort_unstable();
+            all
+        };
+        let before = indexes(&text);
+        let free = (0x5000..0x6000).find(|index| !before.contains(index)).unwrap();
+        let moved = |text: &str, from: u16, to: u16| -> Option<String> {
+            let at = text.find(&format!("[{from:04X}]"))? + 2;
+            let mut changed = text.to_owned();
+            for (range, digits) in rename(&Source::of_text(text), at, to)?.into_iter().rev() {
+                changed.replace_range(range, &digits);
+            }
+            Some(changed)
+        };
+        for index in before.iter().copied().collect::<std::collections::BTreeSet<u16>>() {
+            let Some(there) = moved(&text, index, free) else { continue };
+            let mut expected: Vec<u16> = before.iter().map(|at| if *at == index { free } else { *at }).collect();
+            expected.sort_unstable();
+            assert_eq!(indexes(&there), expected, "{}: {index:04X}h", path.display());
+            let back = moved(&there, free, index).unwrap();
+            assert!(back.eq_ignore_ascii_case(&text), "{}: {index:04X}h", path.display());
+            tried += 1;
+        }
+    }
+    assert!(tried > 300, "{tried}");
 }

@@ -76,6 +76,8 @@ pub struct Results {
     pub omitted: Vec<(&'static str, u64)>,
     /// Number of frames on channels beyond [`Diagnosis::BUSES`], which were not diagnosed.
     pub unwatched: u64,
+    /// Number of findings that [`Results::keep_nodes`] has left out.
+    pub left_out: usize,
     /// The statistics of each bus, by channel.
     pub buses: Vec<(ChannelId, BusStatistics)>,
 }
@@ -183,7 +185,7 @@ impl Diagnosis {
         let buses: Vec<_> = buses.map(|watch| watch.into_statistics()).collect();
         provoked::tie(&mut findings, &buses);
         let stories = stories::tell(&findings);
-        Results { findings, stories, omitted, unwatched: self.unwatched, buses }
+        Results { findings, stories, omitted, unwatched: self.unwatched, left_out: 0, buses }
     }
 }
 

@@ -48,7 +48,8 @@ impl Report for DiagnosisReport<'_> {
         let omitted = self.diagnosed.results.omitted.iter();
         found.extend(omitted.map(|(rule, count)| Block::Note(format!("{rule}: {count} more, which are not shown"))));
         if found.is_empty() && depth > Depth::Screen {
-            found.push(Block::Text("Nothing was found.".to_owned()));
+            let of = if self.diagnosed.results.left_out > 0 { " of the chosen nodes" } else { "" };
+            found.push(Block::Text(format!("Nothing was found{of}.")));
         }
         Document {
             command: "diagnose",
@@ -90,7 +91,14 @@ fn facts(report: &DiagnosisReport<'_>, depth: Depth) -> Vec<Fact> {
     let unwatched = (diagnosed.results.unwatched > 0).then(|| {
         fact("others", &format!("{} frames of further channels were not looked at", diagnosed.results.unwatched))
     });
-    captures.chain(buses).chain(unwatched).collect()
+    let left_out = left_out(diagnosed).map(|text| fact("left out", &text));
+    captures.chain(buses).chain(unwatched).chain(left_out).collect()
+}
+
+/// The number of findings that only concern nodes that were not chosen.
+pub fn left_out(diagnosed: &Diagnosed<'_>) -> Option<String> {
+    let count = diagnosed.results.left_out;
+    (count > 0).then(|| format!("{} of other nodes", counted(count, "finding")))
 }
 
 /// The facts of a bus: `12000 frames in 30 s, 4 nodes (1, 3, 4, 6), 500 kbit/s (inferred), load 4.0 % (peak 7.0 %)`.

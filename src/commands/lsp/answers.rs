@@ -62,8 +62,8 @@ impl Answers<'_> {
             Formatting::METHOD => to_string(&self.fixed()),
             FoldingRangeRequest::METHOD => to_string(&self.folds()),
             PrepareRenameRequest::METHOD => answer(params, |asked: TextDocumentPositionParams| {
-                let named = editor::renamed_at(self.source(), self.at(asked.position));
-                to_string(&named.map(|(_, range)| self.document.range(&range, self.units)))
+                let digits = editor::index_at(self.source(), self.at(asked.position));
+                to_string(&digits.map(|range| self.document.range(&range, self.units)))
             }),
             Rename::METHOD => answer(params, |asked: RenameParams| self.renamed(&asked)),
             _ => return None,
@@ -108,7 +108,7 @@ impl Answers<'_> {
     /// The edits that give an object another index: four hexadecimal digits, as `2018`, `0x2018` or `2018h`.
     fn renamed(&self, asked: &RenameParams) -> Answer {
         let new = asked.new_name.trim();
-        let digits = new.trim_start_matches("0x").trim_start_matches("0X").trim_end_matches(['h', 'H']);
+        let digits = new.strip_prefix("0x").or_else(|| new.strip_suffix('h')).unwrap_or(new);
         let wrong = |text: String| <serde_json::Error as serde::de::Error>::custom(text);
         let index = u16::from_str_radix(digits, 16).ok().filter(|_| digits.len() == 4);
         let index = index.ok_or_else(|| wrong(format!("expected an index such as 2018, found \"{new}\"")))?;

@@ -45,6 +45,9 @@ impl Search {
 
     /// Why no bit rate was found, and what to do.
     pub fn failure(&self) -> String {
+        if self.heard.is_empty() {
+            return "the search for the bit rate was ended before anything was heard".to_owned();
+        }
         let mut text = "no frame was received at ".to_owned();
         // Writing to a string does not fail.
         let _ = write!(text, "{}", rates(self.heard.iter().map(|heard| heard.bit_rate)));
@@ -89,28 +92,43 @@ fn order(own: Option<u32>) -> Vec<u32> {
 }
 
 /// Listens for `span` at one bit rate after the other until one is proven, and then takes part in the bus at that bit
-/// rate; otherwise at the one that was in use.
+/// rate; otherwise, and after an error, at the one that was in use.
 ///
 /// # Errors
 /// [`BusError::NeverSilent`] if this end of the bus can't only listen, or another error of the bus.
 pub fn search(bus: &mut dyn Bus, span: Duration, interrupt: &Interrupt) -> Result<Search, BusError> {
     let own = bus.bit_rate();
-    let mut search = Search::default();
-    for rate in order(own) {
+    let searched = listen_at_each(bus, order(own), span, interrupt);
+    let found = searched.as_ref().ok().and_then(Search::found).map(|heard| heard.bit_rate);
+    let ended = found.or(own).map_or(Ok(()), |rate| bus.set_bit_rate(rate));
+    let search = searched?;
+    ended.map(|()| search)
+}
+
+fn listen_at_each(
+    bus: &mut dyn Bus,
+    rates: Vec<u32>,
+    span: Duration,
+    interrupt: &Interrupt,
+) -> Result<Search, BusError> {
+    let (mut search, mut refused) = (Search::default(), None);
+    for rate in rates {
         if interrupt.came() || search.found().is_some() {
             break;
         }
         match bus.listen_at(rate) {
             Ok(()) => search.heard.push(listen(bus, rate, span, interrupt)?),
-            Err(BusError::NeverSilent) => return Err(BusError::NeverSilent),
-            // An adapter that was lost answers no other bit rate either: then the error of the first one remains.
-            Err(error) if search.heard.is_empty() && search.lacking.len() > 2 => return Err(error),
-            Err(_) => search.lacking.push(rate),
+            Err(error) => {
+                search.lacking.push(rate);
+                refused = Some(error);
+            }
         }
     }
-    let end = search.found().map(|heard| heard.bit_rate).or(own);
-    end.map_or(Ok(()), |rate| bus.set_bit_rate(rate))?;
-    Ok(search)
+    // An end that can listen at no bit rate lacks more than a bit rate.
+    match refused {
+        Some(error) if search.heard.is_empty() => Err(error),
+        _ => Ok(search),
+    }
 }
 
 fn listen(bus: &mut dyn Bus, bit_rate: u32, span: Duration, interrupt: &Interrupt) -> Result<Heard, BusError> {
@@ -178,6 +196,14 @@ mod tests {
             told.starts_with("no frame was received at 500, 250, 125, 1000, 800, 50, 20 and 10 kbit/s: nobody"),
             "{told}"
         );
+    }
+
+    #[test]
+    fn a_search_that_is_ended_says_so() {
+        let interrupt = Interrupt::default();
+        interrupt.request();
+        let ended = search(&mut bus(125_000, 500_000), Duration::from_millis(100), &interrupt).unwrap();
+        assert!(ended.found().is_none() && ended.failure().contains("was ended"), "{}", ended.failure());
     }
 
     #[test]

@@ -31,8 +31,9 @@ fn tar(system: &system::System) -> Result<String> {
     for file in system::BESIDE {
         std::fs::copy(file, folder.join(file)).context(file)?;
     }
-    for (shell, file) in [("bash", "canvass.bash"), ("zsh", "_canvass"), ("fish", "canvass.fish")] {
-        system::completions(shell, &folder.join("completions").join(file))?;
+    for (shell, file) in system::COMPLETIONS {
+        let name = if shell == "bash" { "canvass.bash" } else { file.rsplit('/').next().unwrap_or(file) };
+        std::fs::copy(root.join(file), folder.join("completions").join(name)).context(file)?;
     }
     run("cp", &["-r", &root.join("usr/share/man/man1").to_string_lossy(), &folder.join("man").to_string_lossy()])?;
     let file = format!("{name}.tar.gz");

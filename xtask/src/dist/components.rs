@@ -1,4 +1,5 @@
-//! The list of components (SBOM): every library in the program, with version, licence and checksum, as CycloneDX.
+//! The list of components (SBOM) in the format CycloneDX. It names each library in the program with its version, licence and
+//! checksum.
 
 use super::{FOLDER, name, system, tools};
 use crate::run::run;

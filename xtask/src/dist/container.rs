@@ -1,12 +1,10 @@
 //! Container images: the program and nothing else. Each file is an image as the Open Container Initiative describes it,
 //! and has beside it what `docker load` reads.
 
-use super::{FOLDER, VERSION, name, scratch, system};
+use super::{FOLDER, VERSION, hash, name, scratch, system};
 use crate::run::run;
 use anyhow::{Context, Result, ensure};
 use serde_json::{Value, json};
-use sha2::{Digest, Sha256};
-use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -114,14 +112,4 @@ fn tar(folder: &Path, file: &Path) -> Result<()> {
     let order = ["--sort=name", "--owner=0", "--group=0", "--numeric-owner", "--mtime=@0", "--format=ustar"];
     let (folder, file) = (folder.to_string_lossy(), file.to_string_lossy());
     run("tar", &[&order[..], &["--transform=s,^\\./,,", "-C", &folder, "-cf", &file, "."]].concat())
-}
-
-/// The SHA-256 of bytes, as OCI writes it.
-pub fn hash(bytes: &[u8]) -> String {
-    let mut text = String::with_capacity(64);
-    for byte in Sha256::digest(bytes) {
-        // Writing into a text does not fail.
-        let _ = write!(text, "{byte:02x}");
-    }
-    text
 }

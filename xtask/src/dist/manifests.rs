@@ -1,12 +1,12 @@
 //! The manifests of the package managers of Windows, which name where a release can be fetched: scoop and winget.
 
-use super::{ADDRESS, FOLDER, VERSION, address, container, file, filled, name, windows_installer};
+use super::{ADDRESS, FOLDER, VERSION, address, file, filled, name, windows_installer};
 use crate::windows;
 use anyhow::{Context, Result, ensure};
 use std::fs;
 use std::path::Path;
 
-/// The manifests of winget: the file of each is named by the schema that describes it.
+/// The three manifests that winget takes. A manifest and its schema have the same name.
 pub const WINGET: [&str; 3] = ["version", "installer", "defaultLocale"];
 
 /// The manifests, if the address of the release is known.
@@ -26,7 +26,7 @@ pub fn make() -> Result<Vec<String>> {
 /// If the files for Windows were not made, or the address is none.
 pub fn at(address: &str) -> Result<Vec<String>> {
     ensure!(address.starts_with("https://"), "expected an address that begins with https://, found {address}");
-    let hashed = |path: &Path| Ok::<_, anyhow::Error>(container::hash(&fs::read(path)?));
+    let hashed = |path: &Path| Ok::<_, anyhow::Error>(super::hash(&fs::read(path)?));
     let zip = file("windows", ".zip")?;
     let msi = file(windows_installer::ID, ".msi")?;
     let plain = |path: &Path| path.file_name().context("a file").map(|name| name.to_string_lossy().into_owned());

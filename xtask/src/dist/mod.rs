@@ -18,12 +18,14 @@ mod windows_installer;
 
 use crate::python;
 use anyhow::{Context, Result, bail, ensure};
+use sha2::{Digest, Sha256};
+use std::fmt::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
 /// The folder of the release files.
 pub const FOLDER: &str = "target/dist";
-/// The version, which stands in `Cargo.toml` alone.
+/// The version of the release. Only `Cargo.toml` sets it.
 pub const VERSION: &str = env!("CARGO_PKG_VERSION");
 /// Names the address at which the release files can be fetched, for the files that name it.
 const ADDRESS: &str = "CANVASS_ADDRESS";
@@ -110,7 +112,7 @@ const PARTS: [Part; 14] = [
         name: "the Python wheels",
         prepare: python::install,
         make: wheels,
-        check: check::crates::wheel,
+        check: check::registries::wheel,
     },
     Part {
         id: "page",
@@ -131,7 +133,7 @@ const PARTS: [Part; 14] = [
         name: "the libraries for crates.io",
         prepare: || Ok(()),
         make: || Ok(Vec::new()),
-        check: check::crates::publish,
+        check: check::registries::publish,
     },
 ];
 
@@ -233,7 +235,7 @@ fn sum() -> Result<()> {
     Ok(())
 }
 
-/// The name of the files for a target, without extension.
+/// The file name of an archive for this target, without its extension: `canvass-0.1.0-x86_64-unknown-linux-musl`.
 fn name(target: &str) -> String {
     format!("canvass-{VERSION}-{target}")
 }
@@ -255,4 +257,14 @@ fn scratch(name: &str) -> Result<PathBuf> {
     }
     std::fs::create_dir_all(&folder)?;
     Ok(folder)
+}
+
+/// The SHA-256 of bytes in lower-case hexadecimal digits.
+fn hash(bytes: &[u8]) -> String {
+    let mut text = String::with_capacity(64);
+    for byte in Sha256::digest(bytes) {
+        // Writing into a text does not fail.
+        let _ = write!(text, "{byte:02x}");
+    }
+    text
 }

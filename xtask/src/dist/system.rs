@@ -127,12 +127,12 @@ pub fn commit() -> String {
 }
 
 /// Each shell, and where Linux looks for its completions.
-const COMPLETIONS: [(&str, &str); 3] = [
+pub const COMPLETIONS: [(&str, &str); 3] = [
     ("bash", "usr/share/bash-completion/completions/canvass"),
     ("zsh", "usr/share/zsh/vendor-completions/_canvass"),
     ("fish", "usr/share/fish/vendor_completions.d/canvass.fish"),
 ];
-/// Further files in every archive and package.
+/// Files that every archive and package has besides the program.
 pub const BESIDE: [&str; 4] = ["README.md", "CHANGELOG.md", "LICENSE-MIT", "LICENSE-APACHE"];
 
 /// The files of a package for Linux, at their places below a root: the program, its manual pages and completions, and

@@ -17,7 +17,7 @@ pub const VENV: Venv = Venv {
 /// Lets cargo find Zig, and its own subcommand that builds with it.
 ///
 /// # Errors
-/// If the folder of the project is not known.
+/// If the system does not tell the current folder.
 pub fn with_zig(cargo: &mut Command) -> Result<()> {
     let folder = std::env::current_dir()?.join(VENV.folder).join("bin");
     let old = std::env::var_os("PATH").unwrap_or_default();

@@ -12,9 +12,11 @@ use std::process::Command;
 pub const ID: &str = "msi";
 const WIXL: Package = Package { program: "wixl", probe: &["--version"], package: "wixl" };
 const MSITOOLS: Package = Package { program: "msiinfo", probe: &["--version"], package: "msitools" };
-/// The table of environment variables, which wixl does not know: the folder of the program is the last one in the PATH.
+/// The installer's table of environment variables. It appends the folder of the program to the PATH. wixl can't write this
+/// table, so msibuild adds it.
 const ENVIRONMENT: &str = "packaging/Environment.idt";
-/// The actions that follow this table, and their places in the sequence, which Microsoft's documentation gives.
+/// The actions by which an installer writes and removes environment variables, and their sequence numbers in Microsoft's
+/// table of standard actions.
 const ACTIONS: [(&str, u16); 2] = [("RemoveEnvironmentStrings", 3300), ("WriteEnvironmentStrings", 5200)];
 
 /// The endings of files, and what their context menu offers: verbs with the arguments of canvass.

@@ -1,6 +1,5 @@
-//! Editor functions for an EDS or DCF: outline, hover texts, completion, definitions, references
-//! and new indexes of objects.
-//! Places are bytes of the text.
+//! Editor functions for an EDS or DCF: outline, hover texts, completion, definitions and references of objects, and the
+//! change of an index. Places are bytes of the text.
 
 mod complete;
 mod hover;
@@ -10,7 +9,7 @@ mod outline;
 
 pub use complete::{Completion, complete};
 pub use hover::{Hover, hover};
-pub use navigate::{definition, references, rename, renamed_at};
+pub use navigate::{definition, index_at, references, rename};
 pub use outline::{Symbol, outline};
 
 #[cfg(test)]

@@ -23,7 +23,7 @@ pub fn references(source: &Source<'_>, at: usize) -> Vec<Range<usize>> {
     let Some(wanted) = named_at(source, at) else { return Vec::new() };
     let mut found = Vec::new();
     for section in sections(source) {
-        if section.address().is_some_and(|(at, _)| at.index == wanted.index) {
+        if section.index() == Some(wanted.index.0) {
             found.push(section.name_span().range());
         }
         let naming =
@@ -33,19 +33,18 @@ pub fn references(source: &Source<'_>, at: usize) -> Vec<Range<usize>> {
     found
 }
 
-/// The index of the object mentioned at `at`, and the range of its name there.
-pub fn renamed_at(source: &Source<'_>, at: usize) -> Option<(u16, Range<usize>)> {
-    let wanted = named_at(source, at)?;
+/// The digits of the index at `at`, if an object is mentioned there.
+pub fn index_at(source: &Source<'_>, at: usize) -> Option<Range<usize>> {
     let place = references(source, at).into_iter().find(|range| range.start <= at && at <= range.end)?;
-    Some((wanted.index.0, digits(source, &place)?))
+    digits(source, &place)
 }
 
 /// The edits that give the object mentioned at `at` another index, in its sections, in lists and in mappings: the ranges of
-/// digits to replace, and the new digits. `None` if no object is mentioned, or an object with the new index is
-/// described already.
+/// digits to replace, and the new digits. `None` if no object is mentioned, or if the file has an object with the new
+/// index.
 pub fn rename(source: &Source<'_>, at: usize, index: u16) -> Option<Vec<(Range<usize>, String)>> {
     named_at(source, at)?;
-    if sections(source).any(|section| section.address().is_some_and(|(at, _)| at.index.0 == index)) {
+    if sections(source).any(|section| section.index() == Some(index)) {
         return None;
     }
     let edits = references(source, at).into_iter();
@@ -70,7 +69,8 @@ pub(super) fn sections<'s>(source: &'s Source<'_>) -> impl Iterator<Item = Secti
 fn named_at(source: &Source<'_>, at: usize) -> Option<Multiplexer> {
     let section = source.section_at(at)?;
     if at <= section.name_span().range().end {
-        return Some(section.address()?.0);
+        let address = section.address().map(|(at, _)| at);
+        return address.or_else(|| Some(Multiplexer::new(section.index()?, 0)));
     }
     named_by(section, section.field_at(at)?)
 }
@@ -79,7 +79,8 @@ fn named_at(source: &Source<'_>, at: usize) -> Option<Multiplexer> {
 fn named_by(section: Section<'_>, field: Field<'_>) -> Option<Multiplexer> {
     match section.address() {
         None => {
-            let is_list = section.name().to_ascii_lowercase().ends_with("objects");
+            let name = section.name().to_ascii_lowercase();
+            let is_list = name.ends_with("objects") || name.ends_with("objectlinks");
             let is_entry = field.name().bytes().all(|byte| byte.is_ascii_digit());
             address_of_value(field.value(), false).filter(|_| is_list && is_entry)
         }

@@ -136,5 +136,18 @@ fn an_object_gets_another_index() {
     assert_eq!(mapped, TEXT.replace("6004", "6104"));
     assert_eq!(renamed("0x60040020", 5, 0x1018), None, "there is an object with this index");
     assert_eq!(renamed("VendorName", 2, 0x2018), None);
-    assert_eq!(renamed_at(&source, at("1=0x1018", 5)), Some((0x1018, at("1=0x1018", 4)..at("1=0x1018", 8))));
+    assert_eq!(index_at(&source, at("1=0x1018", 5)), Some(at("1=0x1018", 4)..at("1=0x1018", 8)));
+}
+
+/// What belongs to an object moves with it: lists of values and names, and links to it.
+#[test]
+fn what_stands_beside_an_object_moves_with_it() {
+    const LINKED: &str = "[2000]\nCompactSubObj=3\n[2000Value]\nNrOfEntries=1\n1=5\n[2000Name]\nNrOfEntries=0\n\
+                          [2001]\nParameterName=Other\n[2001ObjectLinks]\nObjectLinks=1\n1=0x2000\n";
+    let source = Source::of_text(LINKED);
+    let mut text = LINKED.to_owned();
+    for (range, digits) in rename(&source, LINKED.find("Value").unwrap(), 0x2F00).unwrap().into_iter().rev() {
+        text.replace_range(range, &digits);
+    }
+    assert_eq!(text, LINKED.replace("2000", "2F00"));
 }

@@ -67,6 +67,15 @@ impl<'s> Section<'s> {
         }
     }
 
+    /// The index of the object to which the section belongs: the object's own, those of its entries, and lists beside it
+    /// such as `1003Value`.
+    pub const fn index(self) -> Option<u16> {
+        match self.part.about {
+            SectionName::Object(index) | SectionName::Sub(index, _) | SectionName::Beside(index) => Some(index),
+            _ => None,
+        }
+    }
+
     /// All fields of the section, including repeated ones.
     pub(crate) fn all_fields(self) -> impl DoubleEndedIterator<Item = Field<'s>> + use<'s> {
         let (first, end) = self.part.fields;

@@ -3,8 +3,8 @@
 use super::Device;
 use super::context::Context;
 use super::objects::Objects;
-use crate::Fault;
 use crate::models::{BitRate, Model};
+use crate::{Fault, Liberty};
 use canvass_analyzer::wire::layer_setting::Dialect;
 use canvass_analyzer::wire::lmt::Lmt;
 use canvass_traces::{Duration, Timestamp};
@@ -47,7 +47,10 @@ impl Device {
     /// change and for another `delay` after it.
     pub(super) fn activate_bit_rate(&mut self, now: Timestamp, bit_timing: Option<u8>, delay: Duration) {
         let delay = if self.context.has(Fault::LssActivatesAtOnce) { Duration::ZERO } else { delay };
-        self.activation = Some(Activation { change: now + delay, bit_timing, end: now + delay.times(2) });
+        // The second delay is the shortest silence, not the longest.
+        let late =
+            if self.context.takes(Liberty::BitRateTakenLate) { Duration::from_millis(200) } else { Duration::ZERO };
+        self.activation = Some(Activation { change: now + delay, bit_timing, end: now + delay.times(2) + late });
         self.context.outbox.clear();
         self.go_on_with_activation(now);
     }

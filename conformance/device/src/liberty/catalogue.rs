@@ -299,6 +299,9 @@ pub enum Liberty {
     /// LSS store configuration is answered after 2 s.
     #[row(clause = "CiA 305, store configuration", devices = &[LELY])]
     LssStoreIn2S,
+    /// After "activate bit timing" the device is silent for 200 ms longer than the two delays.
+    #[row(clause = "CiA 305 6.4.4")]
+    BitRateTakenLate,
     // The bus
     /// The device is also an SDO client: it reads the device type of node 127, or node 126, twice a second.
     #[row(clause = "CiA 301 7.2.4.1")]

@@ -3,6 +3,7 @@
 use super::{MOST_FINDINGS, findings, text};
 use crate::diagnosis::Diagnosed;
 use crate::diagnosis::node_table::rounded;
+use crate::diagnosis::report;
 use crate::page::fact;
 use crate::page_text::counted;
 use canvass_analyzer::findings::Severity;
@@ -48,6 +49,9 @@ pub fn section(diagnosed: &Diagnosed<'_>) -> Markup {
             @for (id, bus) in &diagnosed.results.buses {
                 @let name = text(&diagnosed.channel(*id));
                 dl.facts.card.bus { (facts(diagnosed, &name, bus)) }
+            }
+            @if let Some(left_out) = report::left_out(diagnosed) {
+                p.hint { "Left out: " (left_out) "." }
             }
             @if diagnosed.results.unwatched > 0 {
                 p.hint { (diagnosed.results.unwatched) " frames of further channels were not looked at." }

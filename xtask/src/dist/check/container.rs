@@ -2,7 +2,7 @@
 //! system, by a user without rights.
 
 use super::{archives, bare, clean, exercise, output, sample_in};
-use crate::dist::{container, files, system};
+use crate::dist::{files, hash, system};
 use crate::packages::{self, Package};
 use anyhow::{Context, Result, ensure};
 use serde_json::Value;
@@ -48,8 +48,8 @@ fn unpack(image: &Path) -> Result<PathBuf> {
     output(bare("tar").arg("-xf").arg(image.canonicalize()?).arg("-C").arg(&folder))?;
     for blob in fs::read_dir(folder.join("blobs/sha256"))? {
         let blob = blob?;
-        let hash = container::hash(&fs::read(blob.path())?);
-        ensure!(blob.file_name().to_string_lossy() == hash, "{} has the hash {hash}", blob.path().display());
+        let found = hash(&fs::read(blob.path())?);
+        ensure!(blob.file_name().to_string_lossy() == found, "{} has the hash {found}", blob.path().display());
     }
     let loaded: Value = serde_json::from_slice(&fs::read(folder.join("manifest.json"))?)?;
     let root = folder.join("root");

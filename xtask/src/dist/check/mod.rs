@@ -3,12 +3,12 @@
 pub mod archives;
 pub mod components;
 pub mod container;
-pub mod crates;
 pub mod debian;
 pub mod editor;
 pub mod manifests;
 pub mod npm;
 pub mod pipelines;
+pub mod registries;
 pub mod rpm;
 pub mod windows_installer;
 

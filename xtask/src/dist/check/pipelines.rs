@@ -54,7 +54,7 @@ fn repository(name: &str) -> Result<PathBuf> {
     Ok(folder)
 }
 
-/// The program that a pipeline finds must be that of the release.
+/// A PATH without a canvass, so that the pipeline has to install that of the release.
 fn path() -> &'static str {
     "/usr/local/bin:/usr/bin:/bin"
 }

@@ -106,8 +106,8 @@ fn activate(bench: &mut Bench<'_>) -> Judged {
     }))
 }
 
-/// After activate bit timing the slave uses the bit rate that it has confirmed. The tester follows it to another bit rate,
-/// and brings it back; nothing is stored.
+/// After "activate bit timing" the slave uses the bit rate that it has confirmed. The tester changes its own bit rate, asks
+/// the device there, and brings it back. The device stores nothing.
 #[case(id = "305/bit-timing/takes-effect", clause = "CiA 305 6.4.4", confidence = Attested, level = Must,
        needs = [Lss, Alone, Description], touches = [BitRate], catches = [LssBitTimingWithoutEffect])]
 fn takes_effect(bench: &mut Bench<'_>) -> Judged {

@@ -147,8 +147,8 @@ fn activate(bench: &mut Bench<'_>) -> Judged {
     })
 }
 
-/// After activate bit timing the slave uses the bit rate that it has confirmed. The tester follows it to another bit rate,
-/// and brings it back; nothing is stored.
+/// After "activate bit timing" the slave uses the bit rate that it has confirmed. The tester changes its own bit rate, asks
+/// the device there, and brings it back. The device stores nothing.
 #[case(id = "205/bit-timing/takes-effect", clause = "CiA DS-205", confidence = Unknown, level = Must,
        needs = [Alone, Lmt, Description], touches = [BitRate], catches = [LmtBitTimingWithoutEffect])]
 fn takes_effect(bench: &mut Bench<'_>) -> Judged {

@@ -1,4 +1,4 @@
-//! The libraries for crates.io and PyPI.
+//! What registries of languages get: the libraries for crates.io, the wheel for PyPI.
 
 use crate::python;
 use crate::run::run;
