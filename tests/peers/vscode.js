@@ -151,6 +151,8 @@ class Editor {
         "OnTypeFormattingEdit", "Reference", "Rename", "SelectionRange", "SignatureHelp", "TypeDefinition",
       ].map((name) => [`register${name}Provider`, register(name)]),
     );
+    // A provider for all files of the folder: it has no selector.
+    registered.registerWorkspaceSymbolProvider = (provider) => register("WorkspaceSymbol")(undefined, provider);
     const matches = (selector, document) =>
       [selector].flat().some((filter) => (filter.language ?? filter) === document.languageId) ? 10 : 0;
     const say = (text) => {
