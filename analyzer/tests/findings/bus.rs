@@ -206,3 +206,24 @@ fn an_answer_about_another_sub_index_tells_no_identity() {
     let node = results.buses[0].1.nodes.iter().find(|node| node.0.raw() == 4).unwrap();
     assert_eq!(node.1.identity.numbers[1], Some(0x4711));
 }
+
+/// CiA 302-2: a master asks for others on 075h, they answer on 074h, and the active one says so on 071h.
+#[test]
+fn negotiations_of_flying_masters() {
+    let negotiation = |rows: &[&str]| {
+        let mut traffic = machine();
+        for (at, row) in (5_000..).step_by(50).zip(rows) {
+            traffic.at(at, row);
+        }
+        traffic
+    };
+    negotiation(&["075#", "074#", "073#", "076#", "072#", "071#007F"]).only(&[]);
+    let two = negotiation(&["075#", "074#", "072#", "071#007F", "071#016A"]).finds("bus/flying-master", None, 5_200);
+    assert!(two.message.contains("node 127 and node 106"), "{}", two.message);
+    negotiation(&["072#", "071#007F", "072#", "071#016A"]).only(&[]);
+    negotiation(&["071#037F"]).finds("bus/flying-master", None, 5_000);
+    negotiation(&["076#", "074#"]).finds("bus/flying-master", None, 5_050);
+    negotiation(&["075#", "073#", "071#007F"]).finds("bus/flying-master", None, 5_000);
+    // A master without another one.
+    negotiation(&["075#", "071#007F"]).only(&[]);
+}

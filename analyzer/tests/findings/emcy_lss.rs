@@ -167,3 +167,56 @@ fn lss_requests_on_the_wrong_can_id() {
     let finding = traffic.finds_among(&["lss/dialogue"], "lss/dialogue", None, 2_000);
     assert!(finding.message.contains("on 7E4h, the CAN-ID of the slaves"), "{}", finding.message);
 }
+
+/// The requests of a master, one each 10 ms.
+fn requests(rows: &[&str]) -> crate::traffic::Traffic {
+    let mut traffic = machine();
+    for (at, row) in (5_000..).step_by(10).zip(rows) {
+        let id = if row.starts_with("4F") || row.starts_with("44") { "7E4" } else { "7E5" };
+        traffic.at(at, &format!("{id}#{:0<16}", row.replace(' ', "")));
+    }
+    traffic
+}
+
+/// CiA 305, switch state selective: vendor-ID, product code, revision number and serial number, in this order.
+#[test]
+fn addresses_come_complete_and_in_order() {
+    let leave = "04 00";
+    requests(&["40 01", "41 02", "42 03", "43 04", "44", leave]).only(&[]);
+    let told = |rows: &[&str], at: u64, text: &str| {
+        let among = ["lss/address-series", "lss/unanswered", "lss/dialogue"];
+        let finding = requests(rows).finds_among(&among, "lss/address-series", None, at);
+        assert!(finding.message.contains(text), "{}", finding.message);
+    };
+    told(&["40 01", "42 03", "43 04", "44", leave], 5_010, "in the place of 41h");
+    told(&["40 01", "41 02", "43 04", "44", leave], 5_020, "in the place of 42h");
+    told(&["46 01", "47 02", "48 01", leave], 5_030, "the next request would be 49h");
+    told(&["40 01", "41 02", "41 07", "42 03", "43 04", "44", leave], 5_020, "comes twice");
+    // The same request again changes nothing.
+    requests(&["40 01", "41 02", "41 02", "42 03", "43 04", "44", leave]).only(&[]);
+}
+
+#[test]
+fn two_slaves_with_one_address() {
+    let identify = |high: &str| {
+        let last = format!("4B {high}");
+        requests(&["46 01", "47 02", "48 01", "49 01", "4A 07", &last, "4F", "4F"])
+    };
+    identify("07").finds("lss/same-address", None, 5_070);
+    // Several slaves may have a number of a range.
+    identify("09").only(&[]);
+}
+
+#[test]
+fn requests_that_no_standard_defines() {
+    for row in ["00 64", "99", "04 02", "51 00 00 00 00 21", "51 00 00 00 00 1F 04", "50", "09"] {
+        requests(&[row]).finds("lss/undefined-request", None, 5_000);
+    }
+    requests(&["51 00 00 00 00 80", "51 00 00 00 00 1F 03 03"]).only(&[]);
+}
+
+#[test]
+fn a_bit_rate_is_activated_while_all_slaves_wait() {
+    requests(&["04 01", "04 00", "15 64"]).finds("lss/not-in-configuration", None, 5_020);
+    requests(&["04 01", "15 64", "04 00"]).only(&[]);
+}

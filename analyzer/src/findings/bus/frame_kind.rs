@@ -55,6 +55,11 @@ fn meant(frame: &Frame) -> Option<u16> {
     u16::try_from(frame.id().raw()).ok().filter(|id| is_classical && is_other && *id < 0x800)
 }
 
+/// Whether a frame is a remote frame, and whether it has 29 bits.
+fn kind(frame: &Frame) -> (bool, bool) {
+    (frame.is_remote(), frame.id().is_extended())
+}
+
 /// The node of a CAN-ID of the predefined connection set, without PDOs.
 fn node_of(id: u16) -> Option<NodeId> {
     let is_of_node = matches!(id, 0x081..=0x0FF | 0x581..=0x5FF | 0x601..=0x67F | 0x701..=0x77F);
@@ -90,12 +95,17 @@ impl Found {
         // The master sends NMT commands, also if they name a node.
         let shown = self.before.as_ref().and_then(|before| before.decoded.node);
         let node = shown.or_else(|| node_of(self.can_id)).filter(|_| service != Service::Nmt);
-        let is_remote = self.first.record.frame.is_remote();
+        let (is_remote, is_extended) = kind(&self.first.record.frame);
         let report = Report::at(self.first.time()).until(self.last.time()).node(node).times(self.count);
-        let report = report.detail(u64::from(self.can_id) << 1 | u64::from(is_remote));
+        let report =
+            report.detail(u64::from(self.can_id) << 2 | u64::from(is_remote) << 1 | u64::from(is_extended));
         let report = report.evidence(self.before.as_ref().map(Seen::evidence)).evidence(self.first.evidence());
         sink.report(report, || {
-            let kind = if is_remote { "a remote frame" } else { "a frame of 29 bits" };
+            let kind = match (is_remote, is_extended) {
+                (true, true) => "a remote frame of 29 bits",
+                (true, false) => "a remote frame",
+                _ => "a frame of 29 bits",
+            };
             format!("{kind} {:03X}h, the CAN-ID of {service}", self.can_id)
         });
     }
@@ -112,12 +122,12 @@ impl FrameKind {
                     | Message::Mpdo(PdoNumber::Transmit(_), _)
             )
         };
-        let is_remote = context.record.frame.is_remote();
+        let kind = kind(&context.record.frame);
         // A TPDO may be asked for while it is switched off.
-        if is_remote && before.is_some_and(asks) {
+        if kind == (true, false) && before.is_some_and(asks) {
             return;
         }
-        let is_same = |found: &&mut Found| found.can_id == can_id && found.first.record.frame.is_remote() == is_remote;
+        let is_same = |found: &&mut Found| found.can_id == can_id && self::kind(&found.first.record.frame) == kind;
         if let Some(found) = self.found.iter_mut().find(is_same) {
             (found.count, found.last) = (found.count + 1, context.seen());
         } else if self.found.len() < MOST {
@@ -140,7 +150,7 @@ impl Rule for FrameKind {
 
     fn finish(&mut self, scene: &Scene<'_>, sink: &mut Sink<'_>) {
         for found in &self.found {
-            let is_foreign = self.is_mixed && !found.first.record.frame.is_remote();
+            let is_foreign = self.is_mixed && found.first.record.frame.id().is_extended();
             if let Some(service) = found.service(scene).filter(|_| !is_foreign) {
                 found.tell(service, sink);
             }

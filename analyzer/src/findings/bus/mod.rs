@@ -2,6 +2,7 @@
 
 mod before_boot_up;
 mod duplicate_node_id;
+mod flying_master;
 mod frame_kind;
 mod interleaving;
 mod load;

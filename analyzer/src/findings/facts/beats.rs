@@ -36,6 +36,11 @@ impl Beats {
         self.interval = interval;
     }
 
+    /// Number of messages so far.
+    pub(super) const fn count(&self) -> u32 {
+        self.count
+    }
+
     /// Whether the messages had a pause from `since` to `until`, or stopped at `since` and had not come again for most
     /// of this time. The times may differ by `margin`.
     fn explains(&self, since: Timestamp, until: Timestamp, margin: Duration) -> bool {

@@ -5,6 +5,7 @@ mod errors;
 mod heartbeats;
 mod node;
 mod operands;
+mod pace;
 mod presence;
 mod requests;
 mod streams;
@@ -17,6 +18,7 @@ pub use node::{NodeFacts, Obedience};
 pub use operands::Operand;
 pub use presence::{Orders, Outage, Presence, Sign};
 pub use requests::{Pending, RequestEvent, Requests};
+pub use pace::Odd;
 pub use streams::{Cut, Reset, Stream, StreamEvent, Streams};
 pub use tpdos::{AllParameters, Parameters, TPDOS};
 

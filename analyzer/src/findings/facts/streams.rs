@@ -2,6 +2,7 @@
 //! configuration is known.
 
 use super::beats::{Beats, Reasons};
+use super::pace::{Odd, Pace};
 use super::tpdos::{Parameters, TPDOS};
 use crate::message::{Message, PdoNumber, Service};
 use crate::network::Decoded;
@@ -95,6 +96,10 @@ pub struct Stream {
     /// has changed the data.
     unchanged: u32,
     data: u64,
+    /// The number of SYNC messages between its frames.
+    pace: Pace,
+    /// Number of periods in a row into which another frame came.
+    additional: u8,
     length: u8,
     /// Number of consecutive frames with the length `length`.
     same_length: u32,
@@ -138,6 +143,24 @@ pub enum StreamEvent {
     },
     /// The TPDO has had the same period since the silence as before it.
     Returned,
+    /// The first frame of the PDO in the capture.
+    New,
+    /// The PDO is much later than its period, once.
+    Late {
+        /// Time of the frame before.
+        since: Timestamp,
+        /// The period.
+        period: Duration,
+    },
+    /// A frame came into the period, which this frame ends.
+    Additional {
+        /// The period.
+        period: Duration,
+        /// Number of periods in a row into which one came.
+        times: u8,
+    },
+    /// The frame before came with another number of SYNC messages, and this one with the usual number again.
+    OutOfStep(Odd),
     /// The period of the TPDO is divided into the same two parts again and again.
     Divided {
         /// The first part.
@@ -159,15 +182,19 @@ impl Stream {
     /// Number of intervals that show whether the period after a pause is the period before it.
     const RETURNED: u32 = 10;
     /// Number of frames that make a length usual.
+    const USUAL_LENGTH: u32 = 10;
+    /// Number of intervals with the period from which a divided one is unusual.
     const USUAL: u32 = 20;
+    /// Number of intervals from which a single late frame is unusual.
+    const PUNCTUAL: u32 = 50;
     /// Number of divisions that prove two senders.
     const DIVIDED: u8 = 8;
     /// Weight of differing intervals that shows another period.
     const OTHER: u8 = 8;
 
     /// Handles a frame.
-    fn beat(&mut self, now: Timestamp, can_id: u16, payload: &[u8]) -> StreamEvent {
-        self.can_id = can_id;
+    fn beat(&mut self, now: Timestamp, syncs: u32, can_id: u16, payload: &[u8]) -> StreamEvent {
+        let is_new = std::mem::replace(&mut self.can_id, can_id) == 0;
         let length = self.length(payload.len() as u8);
         self.last_length = payload.len() as u8;
         let mut bytes = [0; 8];
@@ -175,12 +202,17 @@ impl Stream {
         bytes[..data.len()].copy_from_slice(data);
         let data = u64::from_le_bytes(bytes);
         let is_same = std::mem::replace(&mut self.data, data) == data;
-        let Some(last) = self.last.replace(now) else { return length };
+        let odd = self.pace.beat(syncs, is_same);
+        let Some(last) = self.last.replace(now) else { return if is_new { StreamEvent::New } else { length } };
         let interval = now.since(last).nanos();
-        self.longest = self.longest.max(interval);
         let rhythm = self.interval(interval, is_same, last);
+        self.longest = self.longest.max(interval);
         self.before = [self.before[1], interval];
-        if rhythm == StreamEvent::Usual { length } else { rhythm }
+        match (rhythm, odd) {
+            (StreamEvent::Usual, Some(odd)) => StreamEvent::OutOfStep(odd),
+            (StreamEvent::Usual, None) => length,
+            _ => rhythm,
+        }
     }
 
     fn length(&mut self, length: u8) -> StreamEvent {
@@ -189,11 +221,11 @@ impl Stream {
             return StreamEvent::Usual;
         }
         let (before, times) = (self.length, self.same_length);
-        if times < Self::USUAL || length == self.last_length {
+        if times < Self::USUAL_LENGTH || length == self.last_length {
             // The other length becomes usual once it has come twice in a row.
             (self.length, self.same_length) = (length, 1);
         }
-        if times < Self::USUAL { StreamEvent::Usual } else { StreamEvent::Length { before, times } }
+        if times < Self::USUAL_LENGTH { StreamEvent::Usual } else { StreamEvent::Length { before, times } }
     }
 
     fn interval(&mut self, interval: u64, is_same: bool, last: Timestamp) -> StreamEvent {
@@ -208,20 +240,55 @@ impl Stream {
             return if self.divided >= Self::DIVIDED { event } else { StreamEvent::Usual };
         }
         if near(interval, period, period / 8 + 2_000_000) {
-            self.divided = 0;
+            (self.divided, self.additional) = (0, 0);
             self.regular = self.regular.saturating_add(1);
             self.unchanged += u32::from(is_same && self.unchanged < Self::UNCHANGED);
             self.off = self.off.saturating_sub(1);
             if self.paused != 0 && self.regular >= Self::RETURNED {
                 return self.returned();
             }
+        } else if self.completes(interval) {
+            return self.additional();
         } else {
+            let event = self.late(interval, last);
             self.off += 2;
             if self.off >= Self::OTHER || self.regular == 0 {
                 (self.period, self.regular, self.off, self.unchanged, self.divided) = (interval, 0, 0, 0, 0);
             }
+            return event;
         }
         StreamEvent::Usual
+    }
+
+    /// Whether the interval and the one before it are a period together, into which another frame came. Halves do not
+    /// count: a sender that has doubled its rate causes them.
+    fn completes(&self, interval: u64) -> bool {
+        let before = self.before[1];
+        let (short, long) = (interval.min(before), interval.max(before));
+        let close = self.period / 16 + 1_000_000;
+        self.is_timed()
+            && !self.pace.is_certain()
+            && near(interval + before, self.period, close)
+            && long - short > self.period / 8
+    }
+
+    /// Counts a frame within the period.
+    #[cold]
+    fn additional(&mut self) -> StreamEvent {
+        // The interval before did not show another period.
+        self.off = self.off.saturating_sub(2);
+        self.additional = self.additional.saturating_add(1);
+        StreamEvent::Additional { period: Duration(self.period), times: self.additional }
+    }
+
+    /// Whether the frame is late, once, after many punctual ones.
+    fn late(&self, interval: u64, since: Timestamp) -> StreamEvent {
+        let is_late = self.regular >= Self::PUNCTUAL
+            && self.is_timed()
+            && !self.pace.is_certain()
+            && self.longest * 2 < self.period * 3
+            && interval * 5 > self.period * 9;
+        if is_late { StreamEvent::Late { since, period: Duration(self.period) } } else { StreamEvent::Usual }
     }
 
     /// Ends a pause. A device that left its period may send on events from now on, so the period must be proven anew.
@@ -259,6 +326,11 @@ impl Stream {
         self.regular >= Self::STEADY && self.unchanged >= Self::UNCHANGED && !self.polled
     }
 
+    /// The length that its frames have.
+    pub fn usual_length(&self) -> u8 {
+        self.length
+    }
+
     /// Whether an interval was as long as the event timer allows, so that the device sends by its event timer. A device
     /// may have lost an event timer that it was given, for example by a reset.
     pub fn obeys(&self, timer: Duration) -> bool {
@@ -284,17 +356,17 @@ impl Streams {
     /// Handles a frame of a service with PDOs, or SYNC.
     #[inline]
     pub(super) fn frame(&mut self, record: &Record, decoded: &Decoded) -> StreamEvent {
-        let now = record.timestamp;
+        let (now, syncs) = (record.timestamp, self.sync.count());
         match (decoded.message, decoded.node) {
             (Message::Pdo(PdoNumber::Transmit(number)), Some(node)) => match self.slot(node, number) {
-                Some(stream) => stream.beat(now, record.frame.cob_id().unwrap_or(0), record.frame.data()),
+                Some(stream) => stream.beat(now, syncs, record.frame.cob_id().unwrap_or(0), record.frame.data()),
                 None => StreamEvent::Usual,
             },
             (Message::Pdo(PdoNumber::Receive(number)), Some(node)) => {
                 self.received[node].beat(now);
                 let rows = self.rpdos[node].get_or_insert_default();
                 match usize::from(number).checked_sub(1).and_then(|at| rows.get_mut(at)) {
-                    Some(stream) => stream.beat(now, record.frame.cob_id().unwrap_or(0), record.frame.data()),
+                    Some(stream) => stream.beat(now, syncs, record.frame.cob_id().unwrap_or(0), record.frame.data()),
                     None => StreamEvent::Usual,
                 }
             }
@@ -370,12 +442,14 @@ impl Streams {
     pub(super) fn restart(&mut self, restart: Restart) {
         if restart.number.is_none() {
             let rows = self.rpdos.named_mut(restart.node).flat_map(|(_, rows)| rows.iter_mut());
-            rows.flat_map(|rows| rows.iter_mut()).for_each(|row| *row = Stream::default());
+            let all = rows.flat_map(|rows| rows.iter_mut());
+            all.for_each(|row| *row = Stream { can_id: row.can_id, ..Stream::default() });
         }
         for (_, rows) in self.nodes.named_mut(restart.node) {
             let rows = (1..).zip(rows.iter_mut().flat_map(|rows| rows.iter_mut()));
             for (_, row) in rows.filter(|(number, _)| restart.concerns(*number)) {
-                *row = Stream { polled: row.polled, pauses: row.pauses, ..Stream::default() };
+                let Stream { can_id, polled, pauses, .. } = *row;
+                *row = Stream { can_id, polled, pauses, ..Stream::default() };
             }
         }
     }
@@ -383,7 +457,7 @@ impl Streams {
     /// Tells that frames may be missing here.
     pub(super) fn interrupted(&mut self) {
         let rows = self.nodes.values_mut().chain(self.rpdos.values_mut()).flatten();
-        rows.flat_map(|rows| rows.iter_mut()).for_each(|row| row.last = None);
+        rows.flat_map(|rows| rows.iter_mut()).for_each(|row| (row.last, row.pace) = (None, Pace::default()));
     }
 }
 

@@ -5,6 +5,7 @@ use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Seen, Severity};
 use crate::message::{Message, Service};
+use crate::wire::lmt;
 use crate::wire::lss::{Request, Response};
 use canvass_macros::rule;
 use canvass_traces::Duration;
@@ -17,7 +18,7 @@ const EFFECTS: &[Effect] = &[
     Effect::on(&["nodes/consumer-time"]).of_origin().during(SOON, SETTLE),
 ];
 
-/// an LSS slave is left in configuration state
+/// an LSS or LMT slave is left in configuration state
 ///
 /// The master has switched slaves to configuration state, one by its address or by Fastscan or all, and does not switch them back to
 /// waiting until the capture ends, or for a long time. A boot-up of the node also ends the state. The node is known if
@@ -29,7 +30,7 @@ const EFFECTS: &[Effect] = &[
 ///
 /// # What to do
 /// Send switch state global with mode 0 (04h 00h) after each configuration, also after one that failed.
-#[rule(id = "lss/left-in-configuration", severity = Warning, rank = State, services = [Lss, BootUp], leads_to = EFFECTS)]
+#[rule(id = "lss/left-in-configuration", severity = Warning, rank = State, services = [Lss, Lmt, BootUp], leads_to = EFFECTS)]
 struct LeftInConfiguration {
     /// time without LSS messages after which a slave counts as left in configuration state
     #[threshold(ms = 5000)]
@@ -100,11 +101,17 @@ impl Rule for LeftInConfiguration {
         match *context.message() {
             Message::LssResponse(Response::Identified) if !self.ends_scan => {}
             Message::LssRequest(Request::SwitchGlobal { mode: 1 })
+            // A slave of LMT does not confirm that it was addressed.
+            | Message::LmtRequest(
+                lmt::Request::SwitchGlobal { mode: 1 }
+                | lmt::Request::SwitchSelective { part: lmt::Part::SerialNumber, .. },
+            )
             | Message::LssResponse(Response::Switched | Response::Identified) => {
                 let (switched, last) = (context.seen(), context.seen());
                 self.state = Some(Configuring { switched, last, node: None, next: None });
             }
-            Message::LssRequest(Request::ConfigureNodeId { node_id: next }) => {
+            Message::LssRequest(Request::ConfigureNodeId { node_id: next })
+            | Message::LmtRequest(lmt::Request::ConfigureNodeId { node_id: next }) => {
                 if let Some(state) = &mut self.state {
                     state.next = NodeId::new(next);
                 }

@@ -7,7 +7,7 @@ use canvass_macros::rule;
 
 /// a PDO changes its length
 ///
-/// A PDO whose mapping is not known, or an RPDO that may be longer than its mapping, has had one length in at least 20
+/// A PDO whose mapping is not known, or an RPDO that may be longer than its mapping, has had one length in at least 10
 /// frames, and then comes with another. NMT commands, boot-ups and writes to its parameters begin anew. Lengths that the
 /// mapping forbids belong to pdo/length.
 ///

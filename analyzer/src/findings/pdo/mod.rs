@@ -6,6 +6,8 @@ mod inhibit_time;
 mod jitter;
 mod length;
 mod length_changed;
+mod of_unknown_node;
+mod out_of_rhythm;
 mod period;
 mod received_ended;
 mod request_unanswered;
