@@ -175,7 +175,7 @@ fn a_guarded_node_that_is_lost() {
     // No node is lost because the master stops guarding.
     let mut stopped = master(100);
     guarded(&mut stopped, 1_000, 31_000, 5);
-    stopped.only(&[]);
+    stopped.only(&["nodes/guarding-ended"]);
 }
 
 #[test]

@@ -112,6 +112,25 @@ fn a_request_for_a_pdo_that_gets_no_answer() {
     traffic.silence(0x182, 10_002, 10_003).finds("pdo/request-unanswered", Some(2), 10_000);
 }
 
+/// The node answers after 2 ms; one request gets none before the next one comes.
+#[test]
+fn a_request_for_a_pdo_that_is_asked_again() {
+    let mut traffic = Traffic::default();
+    traffic.every(30, 20_000, 100, |_| "702#05".to_owned()).every(500, 20_000, 100, |_| "182#R4".to_owned());
+    traffic.every(502, 20_000, 100, |n| format!("182#{:02X}000000", n & 0xFF)).only(&[]);
+    let asked = traffic.silence(0x182, 10_002, 10_003).finds("pdo/request-unanswered", Some(2), 10_000);
+    assert!(asked.message.contains("before the next request"), "{}", asked.message);
+}
+
+#[test]
+fn a_request_for_a_pdo_with_29_bits() {
+    let mut traffic = Traffic::default();
+    traffic.every(30, 20_000, 100, |_| "702#05".to_owned()).every(500, 20_000, 500, |_| "182#R4".to_owned());
+    traffic.every(502, 20_000, 500, |n| format!("182#{:02X}000000", n & 0xFF));
+    let found = traffic.at(10_100, "00000182#R4").finds("bus/frame-kind", Some(2), 10_100);
+    assert!(found.message.starts_with("a remote frame of 29 bits 182h"), "{}", found.message);
+}
+
 #[test]
 fn a_pdo_on_request_that_comes_unrequested() {
     let polled = |transmission_type: &str| {
@@ -142,6 +161,15 @@ fn halves_of_an_srdo_that_do_not_fit() {
     safety().only(&["bus/unknown-ids"]);
     safety().silence(0x104, 10_000, 10_040).finds_among(&among, "srdo/halves", Some(2), 10_060);
     safety().silence(0x104, 10_000, 10_040).at(10_011, "104#0000").finds_among(&among, "srdo/halves", Some(2), 10_011);
+}
+
+#[test]
+fn an_srdo_that_changes_its_length() {
+    let among = ["bus/unknown-ids", "srdo/halves"];
+    let mut traffic = safety();
+    traffic.silence(0x103, 10_000, 10_040).at(10_010, "103#55").silence(0x104, 10_000, 10_040).at(10_011, "104#AA");
+    let found = traffic.finds_among(&among, "srdo/halves", Some(2), 10_010);
+    assert!(found.message.starts_with("1 bytes, the 199 before had 2"), "{}", found.message);
 }
 
 #[test]

@@ -71,3 +71,25 @@ fn guarding_without_its_requests_ends() {
     traffic.every(50, 19_000, 100, |_| "184#00000000".to_owned());
     traffic.only(&[]);
 }
+
+/// Node 4 is guarded every 200 ms from 2 s until `end`.
+fn guarded(end: u64) -> Traffic {
+    let mut traffic = heartbeats();
+    traffic.remove(|_, frame| frame.cob_id() == Some(0x704));
+    for n in 0..(end - 2_000) / 200 {
+        let state = if n % 2 == 0 { "05" } else { "85" };
+        traffic.at(2_000 + n * 200, "704#R1").at(2_003 + n * 200, &format!("704#{state}"));
+    }
+    traffic
+}
+
+#[test]
+fn guarding_that_ends_or_comes_more_often() {
+    let end = guarded(40_000).results().findings.len();
+    assert_eq!(end, 0);
+    guarded(15_000).finds("nodes/guarding-ended", Some(4), 14_800);
+    // The master commands the node, and has a reason.
+    let mut stopped = guarded(15_000);
+    let found = stopped.at(14_900, "000#0204").results().findings;
+    assert!(found.iter().all(|finding| finding.rule.id != "nodes/guarding-ended"), "{found:#?}");
+}

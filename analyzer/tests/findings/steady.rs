@@ -328,3 +328,78 @@ fn a_second_sender_of_a_pdo_is_learned() {
 fn a_doubled_rate_is_no_second_sender() {
     assert!(second_sender(50, "0102030405060708").is_empty());
 }
+
+/// TPDO 1 of node 1 with a timer of 50 ms and resting data; other frames come besides.
+fn timed(others: &[(u64, &str)]) -> Traffic {
+    let mut traffic = beats(20);
+    traffic.every(10, 20_000, 50, |_| "181#0102".to_owned());
+    for (at, frame) in others {
+        traffic.at(*at, frame);
+    }
+    traffic
+}
+
+#[test]
+fn a_pdo_that_leaves_its_rhythm_once() {
+    let once = timed(&[(15_025, "181#7777")]).finds("pdo/out-of-rhythm", Some(1), 15_060);
+    assert_eq!(once.severity, Severity::Info);
+    let mut late = timed(&[]);
+    let late = late.silence(0x181, 15_000, 15_150).finds("pdo/out-of-rhythm", Some(1), 15_160);
+    assert!(
+        late.severity == Severity::Info && late.message.contains("200 ms after the one before"),
+        "{}",
+        late.message
+    );
+    timed(&[]).only(&[]);
+}
+
+/// The other sender keeps no phase to the first one, so that the parts of the period change.
+#[test]
+fn a_second_sender_without_a_phase() {
+    let phases = [12, 17, 9, 15, 11, 18, 10, 16, 13];
+    let others: Vec<(u64, &str)> = (0..).zip(phases).map(|(n, phase)| (15_010 + n * 50 + phase, "181#7777")).collect();
+    let found = timed(&others).finds("pdo/out-of-rhythm", Some(1), 15_060);
+    assert!(found.severity == Severity::Warning && found.message.ends_with("two devices send it"), "{}", found.message);
+}
+
+/// SYNC every 100 ms, and RPDO 1 of node 1 at every second one. Nothing is known of its parameters.
+fn stepped(but: impl Fn(u64) -> usize) -> Traffic {
+    let mut traffic = beats(20);
+    traffic.every(0, 20_000, 100, |_| "080#".to_owned());
+    for n in 0..100 {
+        for time in 0..but(n) {
+            traffic.at(n * 200 + 5 + time as u64 * 30, "201#0102");
+        }
+    }
+    traffic
+}
+
+#[test]
+fn a_pdo_out_of_step_with_sync() {
+    stepped(|_| 1).only(&[]);
+    let left_out = stepped(|n| usize::from(n != 70)).finds("pdo/out-of-rhythm", Some(1), 14_405);
+    assert!(left_out.message.contains("only after 4 SYNC messages"), "{}", left_out.message);
+    let additional = stepped(|n| 1 + usize::from(n == 70)).finds("pdo/out-of-rhythm", Some(1), 14_205);
+    assert!(additional.message.contains("once more after 0 SYNC messages"), "{}", additional.message);
+}
+
+/// TPDO 1 of node 9, which sends nothing else, appears in the middle of the capture.
+#[test]
+fn a_pdo_of_a_node_that_does_nothing_else() {
+    let other = |at: u64| timed(&[(at, "189#01020304")]);
+    let appears = other(15_000).finds("pdo/of-unknown-node", Some(9), 15_000);
+    assert_eq!(appears.severity, Severity::Info);
+    // At the start of a capture all PDOs appear.
+    other(1_000).only(&[]);
+    // It takes the place of another one.
+    let mut moved = beats(20);
+    moved.every(10, 15_000, 50, |_| "181#0102".to_owned()).every(15_010, 20_000, 50, |_| "182#0102".to_owned());
+    moved.remove(|_, frame| frame.cob_id() == Some(0x702));
+    let among = ["pdo/of-unknown-node", "pdo/ended"];
+    let moved = moved.finds_among(&among, "pdo/of-unknown-node", Some(2), 15_010);
+    assert!(
+        moved.severity == Severity::Warning && moved.message.contains("TPDO 1 of node 1 ended"),
+        "{}",
+        moved.message
+    );
+}

@@ -94,6 +94,7 @@ const ELSEWHERE: &[&str] = &[
     "lss/store-wear",
     "lss/undefined-request",
     "nodes/boot-unfinished",
+    "nodes/guarding-ended",
     "nodes/heartbeat-additional",
     "nodes/left-stopped",
     "nodes/starts-twice",

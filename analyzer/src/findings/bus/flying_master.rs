@@ -41,7 +41,9 @@ impl Negotiation {
         let before = self.active.replace((node, context.seen()));
         if let Some((other, seen)) = before.filter(|(other, _)| *other != node) {
             let report = Report::at(context.now()).evidence(seen.evidence()).evidence(context.evidence());
-            sink.report(report, || format!("node {other} and node {node} both say on 071h that they are the active master"));
+            sink.report(report, || {
+                format!("node {other} and node {node} both say on 071h that they are the active master")
+            });
         }
     }
 

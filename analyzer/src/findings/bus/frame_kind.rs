@@ -97,8 +97,7 @@ impl Found {
         let node = shown.or_else(|| node_of(self.can_id)).filter(|_| service != Service::Nmt);
         let (is_remote, is_extended) = kind(&self.first.record.frame);
         let report = Report::at(self.first.time()).until(self.last.time()).node(node).times(self.count);
-        let report =
-            report.detail(u64::from(self.can_id) << 2 | u64::from(is_remote) << 1 | u64::from(is_extended));
+        let report = report.detail(u64::from(self.can_id) << 2 | u64::from(is_remote) << 1 | u64::from(is_extended));
         let report = report.evidence(self.before.as_ref().map(Seen::evidence)).evidence(self.first.evidence());
         sink.report(report, || {
             let kind = match (is_remote, is_extended) {

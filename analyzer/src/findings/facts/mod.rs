@@ -16,9 +16,9 @@ pub use errors::{Errors, Raised};
 pub use heartbeats::Heartbeats;
 pub use node::{NodeFacts, Obedience};
 pub use operands::Operand;
+pub use pace::Odd;
 pub use presence::{Orders, Outage, Presence, Sign};
 pub use requests::{Pending, RequestEvent, Requests};
-pub use pace::Odd;
 pub use streams::{Cut, Reset, Stream, StreamEvent, Streams};
 pub use tpdos::{AllParameters, Parameters, TPDOS};
 

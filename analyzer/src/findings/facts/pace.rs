@@ -7,14 +7,14 @@ pub struct Pace {
     at: u32,
     /// Number of SYNC messages from a frame to the next one; 0 before it is known.
     step: u32,
-    /// Number of frames in a row that had this step.
+    /// Number of frames that had this step.
     regular: u32,
     /// Number of these frames with the data of the frame before: no event has sent them.
     unchanged: u32,
     /// Number of SYNC messages that belong to the step of the next frame, because another frame came between.
     carry: u32,
-    /// The last frame, if it did not have the step: it counts once the next frame has it again.
-    odd: Option<Odd>,
+    /// Number of regular frames that must still follow an odd one; 0 if there was none.
+    waits: u8,
 }
 
 /// A frame that came with another number of SYNC messages.
@@ -26,6 +26,17 @@ pub struct Odd {
     pub passed: u32,
 }
 
+/// What a frame shows.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+pub enum Beat {
+    /// Nothing.
+    Usual,
+    /// The frame is odd; the next frames show whether the PDO keeps its step.
+    Odd(Odd),
+    /// The PDO has kept its step since its odd frame.
+    Kept,
+}
+
 impl Pace {
     /// Number of frames from which a step is certain.
     const CERTAIN: u32 = 30;
@@ -33,33 +44,38 @@ impl Pace {
     const UNCHANGED: u32 = 10;
     /// More SYNC messages than this number of steps are a pause, for which other rules exist.
     const PAUSE: u32 = 10;
+    /// Number of regular frames after which an odd one is a single event.
+    const KEPT: u8 = 3;
 
     /// Whether the PDO comes with SYNC.
-    pub fn is_certain(&self) -> bool {
+    pub const fn is_certain(&self) -> bool {
         self.regular >= Self::CERTAIN
     }
 
-    /// Handles a frame, after `syncs` SYNC messages on the bus. Returns the frame before this one if it was odd, and
-    /// this one shows that the PDO keeps its step.
-    pub fn beat(&mut self, syncs: u32, is_same: bool) -> Option<Odd> {
+    /// Handles a frame, after `syncs` SYNC messages on the bus.
+    pub fn beat(&mut self, syncs: u32, is_same: bool) -> Beat {
         let passed = syncs.wrapping_sub(std::mem::replace(&mut self.at, syncs));
         let whole = passed.saturating_add(std::mem::take(&mut self.carry));
         if whole == self.step && self.step > 0 {
             self.regular = self.regular.saturating_add(1);
             self.unchanged = self.unchanged.saturating_add(u32::from(is_same));
-            return self.odd.take();
+            let waited = self.waits;
+            self.waits = waited.saturating_sub(1);
+            return if waited == 1 { Beat::Kept } else { Beat::Usual };
         }
         let is_additional = passed < self.step;
-        let counts = self.is_certain()
-            && self.odd.is_none()
-            && (is_additional || self.unchanged >= Self::UNCHANGED && passed < self.step.saturating_mul(Self::PAUSE));
-        if counts {
-            self.odd = Some(Odd { step: self.step, passed });
-            self.carry = if is_additional { passed } else { 0 };
-        } else {
+        let is_left_out = self.unchanged >= Self::UNCHANGED && passed < self.step.saturating_mul(Self::PAUSE);
+        if !self.is_certain() || !is_additional && !is_left_out {
             *self = Self { at: syncs, step: passed, ..Self::default() };
+            return Beat::Usual;
         }
-        None
+        self.carry = if is_additional { passed } else { 0 };
+        if std::mem::replace(&mut self.waits, 0) > 0 {
+            // Two odd frames in a row are no single event.
+            return Beat::Usual;
+        }
+        self.waits = Self::KEPT;
+        Beat::Odd(Odd { step: self.step, passed })
     }
 }
 
@@ -67,14 +83,19 @@ impl Pace {
 mod tests {
     use super::*;
 
-    /// The odd frames of a PDO that comes after these numbers of SYNC messages.
+    /// The single odd frames of a PDO that comes after these numbers of SYNC messages.
     fn odd(steps: impl IntoIterator<Item = u32>) -> Vec<(u32, u32)> {
-        let (mut pace, mut syncs) = (Pace::default(), 0);
-        let beats = steps.into_iter().filter_map(|step| {
+        let (mut pace, mut syncs, mut last) = (Pace::default(), 0, None);
+        let mut found = Vec::new();
+        for step in steps {
             syncs += step;
-            pace.beat(syncs, true)
-        });
-        beats.map(|odd| (odd.step, odd.passed)).collect()
+            match pace.beat(syncs, true) {
+                Beat::Odd(odd) => last = Some((odd.step, odd.passed)),
+                Beat::Kept => found.extend(last.take()),
+                Beat::Usual => {}
+            }
+        }
+        found
     }
 
     #[test]
@@ -83,7 +104,9 @@ mod tests {
         assert_eq!(odd(steady().chain([4]).chain(steady())), [(2, 4)]);
         assert_eq!(odd(steady().chain([1, 1]).chain(steady())), [(2, 1)]);
         assert_eq!(odd(steady().chain([0, 2]).chain(steady())), [(2, 0)]);
-        // Another step, and too few frames.
+        // Twice the rate, another step, and too few frames.
+        assert_eq!(odd(steady().chain([1; 40])), []);
+        assert_eq!(odd(std::iter::repeat_n(1, 40).chain([1, 0].repeat(40))), []);
         assert_eq!(odd(steady().chain(std::iter::repeat_n(3, 40))), []);
         assert_eq!(odd([2, 2, 2, 4, 2, 2]), []);
     }

@@ -2,7 +2,7 @@
 //! configuration is known.
 
 use super::beats::{Beats, Reasons};
-use super::pace::{Odd, Pace};
+use super::pace::{Beat, Odd, Pace};
 use super::tpdos::{Parameters, TPDOS};
 use crate::message::{Message, PdoNumber, Service};
 use crate::network::Decoded;
@@ -159,8 +159,10 @@ pub enum StreamEvent {
         /// Number of periods in a row into which one came.
         times: u8,
     },
-    /// The frame before came with another number of SYNC messages, and this one with the usual number again.
+    /// The frame comes with another number of SYNC messages than all before it.
     OutOfStep(Odd),
+    /// The frames since that one came with the usual number again.
+    InStep,
     /// The period of the TPDO is divided into the same two parts again and again.
     Divided {
         /// The first part.
@@ -202,15 +204,16 @@ impl Stream {
         bytes[..data.len()].copy_from_slice(data);
         let data = u64::from_le_bytes(bytes);
         let is_same = std::mem::replace(&mut self.data, data) == data;
-        let odd = self.pace.beat(syncs, is_same);
+        let pace = self.pace.beat(syncs, is_same);
         let Some(last) = self.last.replace(now) else { return if is_new { StreamEvent::New } else { length } };
         let interval = now.since(last).nanos();
         let rhythm = self.interval(interval, is_same, last);
         self.longest = self.longest.max(interval);
         self.before = [self.before[1], interval];
-        match (rhythm, odd) {
-            (StreamEvent::Usual, Some(odd)) => StreamEvent::OutOfStep(odd),
-            (StreamEvent::Usual, None) => length,
+        match (rhythm, pace) {
+            (StreamEvent::Usual, Beat::Odd(odd)) => StreamEvent::OutOfStep(odd),
+            (StreamEvent::Usual, Beat::Kept) => StreamEvent::InStep,
+            (StreamEvent::Usual, Beat::Usual) => length,
             _ => rhythm,
         }
     }

@@ -44,7 +44,9 @@ fn fault(context: &Context<'_>) -> Option<&'static str> {
             })
         }
         Message::LssRequest(Request::SwitchGlobal { mode: 2.. })
-        | Message::LmtRequest(lmt::Request::SwitchGlobal { mode: 2.. }) => Some("switches to a state that is not defined"),
+        | Message::LmtRequest(lmt::Request::SwitchGlobal { mode: 2.. }) => {
+            Some("switches to a state that is not defined")
+        }
         Message::LssRequest(Request::Fastscan { bit_check, sub, next, .. }) => {
             let is_bit = *bit_check < BITS || *bit_check == BEGINS_SCAN;
             let is_number = |number: u8| usize::from(number) < lss::Part::ALL.len();
@@ -61,6 +63,8 @@ impl Rule for UndefinedRequest {
         }
         let Some(what) = fault(context) else { return };
         let report = Report::at(context.now()).detail(u64::from(own_command(context))).evidence(context.evidence());
-        sink.report(report, || format!("the request {:02X}h {what}: {}", own_command(context), words(context.message())));
+        sink.report(report, || {
+            format!("the request {:02X}h {what}: {}", own_command(context), words(context.message()))
+        });
     }
 }

@@ -53,7 +53,7 @@ const GUARD_TIME: Multiplexer = Multiplexer::new(object::GUARD_TIME, 0);
 const LIFE_TIME_FACTOR: Multiplexer = Multiplexer::new(object::LIFE_TIME_FACTOR, 0);
 
 /// The life time of a node; `None` if it is unknown, or the node does not monitor its master.
-fn life_time(node: NodeId, scene: &Scene<'_>) -> Option<Duration> {
+pub(super) fn life_time(node: NodeId, scene: &Scene<'_>) -> Option<Duration> {
     let known = scene.bus.node(node)?;
     let (guard, factor) = (known.certain(node, GUARD_TIME)?, known.certain(node, LIFE_TIME_FACTOR)?);
     let life = Duration::from_millis(u64::from(guard & 0xFFFF) * u64::from(factor & 0xFF));

@@ -4,6 +4,7 @@ mod boot_unfinished;
 mod boot_up_without_command;
 mod command_not_obeyed;
 mod consumer_time;
+mod guarding_ended;
 mod guarding_toggle;
 mod guarding_unanswered;
 mod heartbeat_additional;

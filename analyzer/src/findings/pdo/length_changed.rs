@@ -30,6 +30,8 @@ impl Rule for LengthChanged {
         let Message::Pdo(pdo) = *context.message() else { return };
         let found = context.record.frame.len();
         let layout = context.scene.bus.node(node).and_then(|known| known.known_layout(pdo));
+        // The mapping of a multiplex PDO has no length.
+        let layout = layout.filter(|layout| layout.length() > 0);
         let is_allowed = |mapped: usize| matches!(pdo, PdoNumber::Receive(_)) && mapped <= found;
         if layout.is_some_and(|layout| !is_allowed(layout.length())) {
             return;

@@ -59,9 +59,7 @@ impl Asked {
     fn tell(&self, node: NodeId, request: &Seen, sink: &mut Sink<'_>, when: &str) {
         let report = Report::at(request.time()).node(node).detail(u64::from(self.number));
         let report = if self.answers > 0 { report } else { report.severity(Severity::Info) };
-        sink.report(report.evidence(request.evidence()), || {
-            format!("no {} {when}", PdoNumber::Transmit(self.number))
-        });
+        sink.report(report.evidence(request.evidence()), || format!("no {} {when}", PdoNumber::Transmit(self.number)));
     }
 }
 

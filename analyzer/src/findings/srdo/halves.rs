@@ -9,7 +9,7 @@ use canvass_macros::rule;
 /// the two frames of an SRDO do not fit each other
 ///
 /// The second frame of an SRDO is not the inverse of the first one, comes without it or too late, or does not come at
-/// all. Both CAN-IDs are known to be a pair, by 1301h and the following or by an earlier SRDO.
+/// all; or the data frame has another length than at least ten before it. Both CAN-IDs are known to be a pair, by 1301h and the following or by an earlier SRDO.
 ///
 /// # Why
 /// The consumer goes to its safe state.
@@ -24,7 +24,19 @@ struct Halves {
     /// The SRDOs that were seen before the last command, and not since.
     fresh: Vec<Key>,
     all: Vec<Key>,
+    lengths: Vec<Length>,
 }
+
+/// The length of an SRDO.
+struct Length {
+    key: Key,
+    length: usize,
+    /// Number of data frames in a row with this length.
+    times: u32,
+}
+
+/// Number of data frames that make a length usual.
+const USUAL: u32 = 10;
 
 /// An SRDO: the node, and the number if it is known.
 type Key = (Option<NodeId>, Option<u8>);
@@ -39,6 +51,26 @@ impl Halves {
         sink.report(report, || what.to_owned());
     }
 
+    fn length(&mut self, key: Key, context: &Context<'_>, sink: &mut Sink<'_>) {
+        let length = context.record.frame.data().len();
+        let Some(at) = self.lengths.iter().position(|known| known.key == key) else {
+            if self.lengths.len() < MOST {
+                self.lengths.push(Length { key, length, times: 1 });
+            }
+            return;
+        };
+        let known = &mut self.lengths[at];
+        if known.length == length {
+            known.times = known.times.saturating_add(1);
+            return;
+        }
+        let before = std::mem::replace(known, Length { key, length, times: 1 });
+        if before.times >= USUAL {
+            let text = format!("{length} bytes, the {} before had {}", before.times, before.length);
+            self.tell(4, context.previous, context, sink, &text);
+        }
+    }
+
     fn see(&mut self, srdo: Srdo, context: &Context<'_>, sink: &mut Sink<'_>) {
         let key = (context.node(), srdo.number);
         if !self.all.contains(&key) && self.all.len() < MOST {
@@ -48,6 +80,7 @@ impl Halves {
         let open = place.map(|place| self.open.swap_remove(place).1);
         match (srdo.half, srdo.fit) {
             (Half::Normal, _) => {
+                self.length(key, context, sink);
                 self.fresh.retain(|known| *known != key);
                 if let Some(open) = &open {
                     self.tell(1, Some(open), context, sink, "the inverted data did not follow the data");
@@ -78,6 +111,7 @@ impl Rule for Halves {
 
     fn interrupted(&mut self) {
         self.open.clear();
+        self.lengths.clear();
         self.fresh.clone_from(&self.all);
     }
 }
