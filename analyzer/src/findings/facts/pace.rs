@@ -65,15 +65,12 @@ impl Pace {
         }
         let is_additional = passed < self.step;
         let is_left_out = self.unchanged >= Self::UNCHANGED && passed < self.step.saturating_mul(Self::PAUSE);
-        if !self.is_certain() || !is_additional && !is_left_out {
+        // Two odd frames soon after each other are no single event: the step is learned anew.
+        if !self.is_certain() || self.waits > 0 || !is_additional && !is_left_out {
             *self = Self { at: syncs, step: passed, ..Self::default() };
             return Beat::Usual;
         }
         self.carry = if is_additional { passed } else { 0 };
-        if std::mem::replace(&mut self.waits, 0) > 0 {
-            // Two odd frames in a row are no single event.
-            return Beat::Usual;
-        }
         self.waits = Self::KEPT;
         Beat::Odd(Odd { step: self.step, passed })
     }
