@@ -53,6 +53,13 @@ async function main() {
   assert.ok(edits.some((edit) => edit.newText.includes("1")));
   console.log("edits");
 
+  const { provideWorkspaceSymbols } = editor.providers.get("WorkspaceSymbol").provider;
+  const symbols = await provideWorkspaceSymbols("device type", none);
+  assert.ok(symbols.length >= 1);
+  const { provideFoldingRanges } = editor.providers.get("FoldingRange").provider;
+  assert.ok((await provideFoldingRanges(document, {}, none)).length >= 1);
+  console.log("symbols");
+
   const gone = published();
   editor.close(document);
   assert.deepEqual(await gone, []);

@@ -15,5 +15,5 @@ fn the_extension_starts_the_server_and_shows_what_it_finds() {
         .unwrap_or_else(|error| panic!("node: {error}; cargo xtask ci installs the peers that these tests need"));
     let told = String::from_utf8_lossy(&output.stdout).into_owned();
     assert!(output.status.success(), "{told}{}", String::from_utf8_lossy(&output.stderr));
-    assert_eq!(told.lines().collect::<Vec<_>>(), ["findings of eds", "hover", "edits", "ended"]);
+    assert_eq!(told.lines().collect::<Vec<_>>(), ["findings of eds", "hover", "edits", "symbols", "ended"]);
 }

@@ -104,7 +104,7 @@ const kinds = Object.assign(Kind, { Empty: new Kind(""), QuickFix: new Kind("qui
 const plain = (name) => ({ [name]: class { constructor(...values) { this.values = values; } } })[name];
 const PLAIN = [
   "CallHierarchyItem", "CodeAction", "CodeLens", "Color", "CompletionItem", "CompletionList", "DocumentLink",
-  "DocumentSymbol", "InlayHint", "Location", "SymbolInformation", "TabInputCustom", "TabInputText",
+  "DocumentSymbol", "FoldingRange", "InlayHint", "Location", "SymbolInformation", "TabInputCustom", "TabInputText",
   "TabInputTextDiff", "TypeHierarchyItem", "WorkspaceEdit", "SnippetString",
 ];
 
