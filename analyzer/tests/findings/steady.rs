@@ -393,10 +393,10 @@ fn a_pdo_of_a_node_that_does_nothing_else() {
     other(1_000).only(&[]);
     // It takes the place of another one.
     let mut moved = beats(20);
-    moved.every(10, 15_000, 50, |_| "181#0102".to_owned()).every(15_010, 20_000, 50, |_| "182#0102".to_owned());
+    moved.every(10, 12_000, 50, |_| "181#0102".to_owned()).every(12_010, 20_000, 50, |_| "182#0102".to_owned());
     moved.remove(|_, frame| frame.cob_id() == Some(0x702));
     let among = ["pdo/of-unknown-node", "pdo/ended"];
-    let moved = moved.finds_among(&among, "pdo/of-unknown-node", Some(2), 15_010);
+    let moved = moved.finds_among(&among, "pdo/of-unknown-node", Some(2), 12_010);
     assert!(
         moved.severity == Severity::Warning && moved.message.contains("TPDO 1 of node 1 ended"),
         "{}",

@@ -36,13 +36,12 @@ impl Rule for AddressSeries {
         let is_early = context.now().since(context.scene.start) < Duration::from_secs(1);
         let step = self.series.see(context, is_early || std::mem::take(&mut self.is_torn));
         let last = self.last.replace(context.seen());
-        let text: (u64, &str, u8) = match step {
+        let (kind, what, command) = match step {
             Step::Regular | Step::Complete { .. } => return,
-            Step::Again => (1, "comes twice, with different values", 0),
+            Step::Again => (1_u64, "comes twice, with different values", 0),
             Step::Misplaced(command) => (2, "comes in the place of", command),
             Step::CutShort(command) => (3, "comes before the series is complete: the next request would be", command),
         };
-        let (kind, what, command) = text;
         let report = Report::at(context.now()).detail(kind << 8 | u64::from(command));
         let report = report.evidence(last.as_ref().map(Seen::evidence)).evidence(context.evidence());
         sink.report(report, || {

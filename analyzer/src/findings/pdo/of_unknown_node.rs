@@ -18,7 +18,7 @@ use canvass_traces::Duration;
 /// A device may send with a wrong CAN-ID: its consumers miss the PDO, and consumers of this CAN-ID take it for their own.
 ///
 /// # What to do
-/// Find the sender: see which node stops sending at this time, and read 180xh:1 and 140xh:1.
+/// Find the sender: see which node stops sending at this time, and read 180xh:1 and 140xh:1 of this node.
 #[rule(id = "pdo/of-unknown-node", severity = Warning, rank = ProcessData, also = UnusualPdos)]
 struct OfUnknownNode {
     appeared: Vec<Appeared>,
@@ -52,6 +52,10 @@ impl Appeared {
 
     /// The PDO of another node that ended as this one appeared.
     fn before<'a>(&self, scene: &Scene<'a>) -> Option<(NodeId, PdoNumber, &'a Stream)> {
+        // A PDO of which the capture shows only the begin has perhaps not ended the other one.
+        if scene.now.since(self.frame.time()) <= MOVED {
+            return None;
+        }
         let streams = &scene.facts.streams;
         let length = self.frame.record.frame.data().len();
         let has_moved = |stream: &Stream| {
