@@ -1,4 +1,5 @@
 use crate::traffic::{Traffic, diagnose, frame, machine};
+use canvass_analyzer::findings::Severity;
 use canvass_traces::{INTERMISSION, bit_length};
 
 #[test]
@@ -207,7 +208,7 @@ fn an_answer_about_another_sub_index_tells_no_identity() {
     assert_eq!(node.1.identity.numbers[1], Some(0x4711));
 }
 
-/// CiA 302-2: a master asks for others on 075h, they answer on 074h, and the active one says so on 071h.
+/// A master requests a detection on 075h. The other masters answer on 074h. The active master reports itself on 071h.
 #[test]
 fn negotiations_of_flying_masters() {
     let negotiation = |rows: &[&str]| {
@@ -221,9 +222,13 @@ fn negotiations_of_flying_masters() {
     let two = negotiation(&["075#", "074#", "072#", "071#007F", "071#016A"]).finds("bus/flying-master", None, 5_200);
     assert!(two.message.contains("node 127 and node 106"), "{}", two.message);
     negotiation(&["072#", "071#007F", "072#", "071#016A"]).only(&[]);
-    negotiation(&["071#037F"]).finds("bus/flying-master", None, 5_000);
-    negotiation(&["076#", "074#"]).finds("bus/flying-master", None, 5_050);
-    negotiation(&["075#", "073#", "071#007F"]).finds("bus/flying-master", None, 5_000);
+    assert_eq!(two.severity, Severity::Warning);
+    let informs = |rows: &[&str], at: u64| {
+        assert_eq!(negotiation(rows).finds("bus/flying-master", None, at).severity, Severity::Info);
+    };
+    informs(&["071#037F"], 5_000);
+    informs(&["076#", "074#"], 5_050);
+    informs(&["075#", "073#", "071#007F"], 5_000);
     // A master without another one.
     negotiation(&["075#", "071#007F"]).only(&[]);
 }

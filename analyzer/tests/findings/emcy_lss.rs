@@ -1,4 +1,5 @@
 use crate::traffic::machine;
+use canvass_analyzer::findings::Severity;
 
 #[test]
 fn an_error_and_its_end() {
@@ -146,7 +147,7 @@ fn a_master_that_assigns_node_ids() {
     traffic.at(600, "7E5#5100000000800000").at(603, "7E4#4F00000000000000").micros(603_400, "7E4#4F00000000000000");
     traffic.at(610, "7E5#112A000000000000").at(613, "7E4#1100000000000000").at(620, "7E5#0400000000000000");
     let finding = traffic.finds("lss/not-stored", None, 613);
-    assert_eq!(finding.severity, canvass_analyzer::findings::Severity::Info);
+    assert_eq!(finding.severity, Severity::Info);
 }
 
 #[test]
@@ -209,9 +210,12 @@ fn two_slaves_with_one_address() {
 
 #[test]
 fn requests_that_no_standard_defines() {
-    for row in ["00 64", "99", "04 02", "51 00 00 00 00 21", "51 00 00 00 00 1F 04", "50", "09"] {
-        requests(&[row]).finds("lss/undefined-request", None, 5_000);
+    let severity = |row: &str| requests(&[row]).finds("lss/undefined-request", None, 5_000).severity;
+    for row in ["04 02", "51 00 00 00 00 21", "51 00 00 00 00 1F 04", "50", "09"] {
+        assert_eq!(severity(row), Severity::Warning, "{row}");
     }
+    // A manufacturer may use them.
+    assert_eq!((severity("00 64"), severity("99")), (Severity::Info, Severity::Info));
     requests(&["51 00 00 00 00 80", "51 00 00 00 00 1F 03 03"]).only(&[]);
 }
 

@@ -353,6 +353,24 @@ fn a_pdo_that_leaves_its_rhythm_once() {
     timed(&[]).only(&[]);
 }
 
+/// A device that rests, and then moves: events send the PDO between its timer, which goes on in its own rhythm. The timer
+/// repeats the last value, or has a newer one.
+#[test]
+fn events_beside_a_timer_are_no_second_sender() {
+    for newer in [0, 1] {
+        let mut traffic = beats(20);
+        traffic.every(10, 10_000, 50, |_| "181#0102".to_owned());
+        for n in 0..200 {
+            let value = 2 * n + 1;
+            traffic.at(10_010 + n * 50, &format!("181#{:04X}", 0x200 + value));
+            traffic.at(10_015 + n * 50 + n * 17 % 40, &format!("181#{:04X}", 0x200 + value + newer));
+        }
+        let found = traffic.results().findings;
+        let told: Vec<_> = found.iter().filter(|finding| finding.severity > Severity::Info).collect();
+        assert!(told.is_empty(), "{told:#?}");
+    }
+}
+
 /// The other sender keeps no phase to the first one, so that the parts of the period change.
 #[test]
 fn a_second_sender_without_a_phase() {
@@ -391,6 +409,12 @@ fn a_pdo_of_a_node_that_does_nothing_else() {
     assert_eq!(appears.severity, Severity::Info);
     // At the start of a capture all PDOs appear.
     other(1_000).only(&[]);
+    // An event-driven PDO that ends at this time may have ended by itself.
+    let mut sparse = timed(&[(15_000, "189#01020304")]);
+    for at in [2_000, 6_100, 7_000, 14_900] {
+        sparse.at(at, &format!("282#{at:08}"));
+    }
+    assert_eq!(sparse.finds("pdo/of-unknown-node", Some(9), 15_000).severity, Severity::Info);
     // It takes the place of another one.
     let mut moved = beats(20);
     moved.every(10, 12_000, 50, |_| "181#0102".to_owned()).every(12_010, 20_000, 50, |_| "182#0102".to_owned());

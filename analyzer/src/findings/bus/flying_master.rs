@@ -8,24 +8,25 @@ use canvass_traces::Duration;
 
 /// the negotiation of flying masters goes wrong
 ///
-/// Two masters say on 071h that they are active, without a negotiation between; the priority on 071h is reserved; or a
-/// master answers on 074h a detection that nobody has asked for. If nobody answers a detection (075h) and the negotiation
-/// goes on nevertheless, the finding is an information: a master without another one needs no negotiation.
+/// Two masters report on 071h that they are active, and no negotiation (072h, 076h) came between. Three events are an
+/// information: the priority on 071h is reserved; a master answers a detection on 074h that no master has requested on 075h;
+/// or no master answers a detection, and the negotiation continues nevertheless. The text of CiA 302-2 is not public, so no
+/// clause is cited.
 ///
 /// # Why
-/// Two active masters command the nodes against each other. A master that is not detected takes no part in the
-/// negotiation, and does not take over.
+/// Two active masters command the nodes against each other. A master that is not detected does not take over.
 ///
 /// # What to do
-/// Compare 1F90h of all masters: the priorities and the times must fit each other (CiA 302-2).
-#[rule(id = "bus/flying-master", severity = Error, rank = Participants, services = [FlyingMaster])]
+/// Compare 1F90h of all masters: the priorities and the times must fit each other.
+#[rule(id = "bus/flying-master", severity = Warning, rank = Participants, services = [FlyingMaster])]
 struct Negotiation {
     /// The request for a detection, until a master answers.
     detection: Option<Seen>,
-    /// Whether a detection was asked for.
+    /// Whether a master has requested a detection.
     is_asked: bool,
     /// The master that was active last, since the last negotiation.
     active: Option<(u8, Seen)>,
+    /// Whether a message of the negotiation came before.
     began: bool,
 }
 
@@ -35,7 +36,7 @@ const LOWEST_PRIORITY: u8 = 2;
 impl Negotiation {
     fn active(&mut self, (priority, node): (u8, u8), context: &Context<'_>, sink: &mut Sink<'_>) {
         if priority > LOWEST_PRIORITY {
-            let report = Report::at(context.now()).detail(1).severity(Severity::Warning);
+            let report = Report::at(context.now()).detail(1).severity(Severity::Info);
             sink.report(report.evidence(context.evidence()), || format!("the priority {priority} on 071h is reserved"));
         }
         let before = self.active.replace((node, context.seen()));
@@ -47,21 +48,21 @@ impl Negotiation {
         }
     }
 
-    /// The negotiation goes on after a detection, or another detection begins.
+    /// Reports a detection without an answer, as the next step of the negotiation begins.
     fn goes_on(&mut self, context: &Context<'_>, sink: &mut Sink<'_>) {
         let Some(asked) = self.detection.take() else { return };
         let report = Report::at(asked.time()).detail(2).severity(Severity::Info);
         sink.report(report.evidence(asked.evidence()).evidence(context.evidence()), || {
-            "no device answers the master detection on 075h, and the negotiation goes on".to_owned()
+            "no master answers the detection on 075h, and the negotiation continues".to_owned()
         });
     }
 
     fn detected(&mut self, is_early: bool, context: &Context<'_>, sink: &mut Sink<'_>) {
         self.detection = None;
         if !self.is_asked && !is_early {
-            let report = Report::at(context.now()).detail(3).severity(Severity::Warning);
+            let report = Report::at(context.now()).detail(3).severity(Severity::Info);
             sink.report(report.evidence(context.evidence()), || {
-                "a master answers on 074h, but no detection was asked for on 075h".to_owned()
+                "a master answers on 074h, but no master has requested a detection on 075h".to_owned()
             });
         }
     }

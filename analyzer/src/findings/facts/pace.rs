@@ -1,6 +1,7 @@
-//! The number of SYNC messages between the frames of a PDO, as it is learned from its frames.
+//! The rhythm of a PDO that follows SYNC: how many SYNC messages come from one frame to the next. It is learned from the
+//! frames.
 
-/// Follows one PDO.
+/// The learned number of SYNC messages, and the state of the comparison.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Pace {
     /// Number of SYNC messages on the bus until the last frame.
@@ -9,15 +10,15 @@ pub struct Pace {
     step: u32,
     /// Number of frames that had this step.
     regular: u32,
-    /// Number of these frames with the data of the frame before: no event has sent them.
+    /// Number of these frames with unchanged data: no event has sent them.
     unchanged: u32,
-    /// Number of SYNC messages that belong to the step of the next frame, because another frame came between.
+    /// Number of SYNC messages before an additional frame. They count for the next frame, too.
     carry: u32,
-    /// Number of regular frames that must still follow an odd one; 0 if there was none.
+    /// Number of regular frames that must still come before an odd frame counts as a single event; 0 without one.
     waits: u8,
 }
 
-/// A frame that came with another number of SYNC messages.
+/// A frame that is out of step with SYNC.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub struct Odd {
     /// The usual number of SYNC messages between two frames.
@@ -26,14 +27,14 @@ pub struct Odd {
     pub passed: u32,
 }
 
-/// What a frame shows.
+/// The result of the comparison of a frame with the learned step.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Beat {
-    /// Nothing.
+    /// The frame has the learned step, or no step is learned yet.
     Usual,
     /// The frame is odd; the next frames show whether the PDO keeps its step.
     Odd(Odd),
-    /// The PDO has kept its step since its odd frame.
+    /// With this frame the PDO has kept its step since an odd frame: that one was a single event.
     Kept,
 }
 

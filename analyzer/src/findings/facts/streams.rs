@@ -95,10 +95,11 @@ pub struct Stream {
     /// Number of frames with the data of the frame before, while the period was kept: a timer sends them, as no event
     /// has changed the data.
     unchanged: u32,
-    data: u64,
-    /// The number of SYNC messages between its frames.
+    /// The data of the last two frames, the later one last.
+    data: [u64; 2],
+    /// Follows the number of SYNC messages from one frame to the next.
     pace: Pace,
-    /// Number of periods in a row into which another frame came.
+    /// Number of consecutive periods in which an additional frame came.
     additional: u8,
     length: u8,
     /// Number of consecutive frames with the length `length`.
@@ -119,6 +120,17 @@ pub struct Stream {
     paused: u64,
     /// Time of the frame before that silence.
     paused_at: Option<Timestamp>,
+}
+
+/// The data of a frame, compared with the frames before it.
+#[derive(Clone, Copy, PartialEq, Eq, Debug)]
+enum Change {
+    /// The data of the frame before.
+    None,
+    /// The data of the frame before that one: the frame between has other data.
+    Back,
+    /// Other data.
+    Other,
 }
 
 /// An unusual event of a TPDO.
@@ -145,23 +157,23 @@ pub enum StreamEvent {
     Returned,
     /// The first frame of the PDO in the capture.
     New,
-    /// The PDO is much later than its period, once.
+    /// The PDO comes much later than its period allows.
     Late {
         /// Time of the frame before.
         since: Timestamp,
         /// The period.
         period: Duration,
     },
-    /// A frame came into the period, which this frame ends.
+    /// The frame ends a period in which an additional frame with other data came.
     Additional {
         /// The period.
         period: Duration,
-        /// Number of periods in a row into which one came.
+        /// Number of consecutive periods with an additional frame.
         times: u8,
     },
-    /// The frame comes with another number of SYNC messages than all before it.
+    /// The number of SYNC messages since the last frame is not the learned one.
     OutOfStep(Odd),
-    /// The frames since that one came with the usual number again.
+    /// After a frame that was out of step, the learned number of SYNC messages has returned.
     InStep,
     /// The period of the TPDO is divided into the same two parts again and again.
     Divided {
@@ -203,11 +215,11 @@ impl Stream {
         let data = payload.get(..8).unwrap_or(payload);
         bytes[..data.len()].copy_from_slice(data);
         let data = u64::from_le_bytes(bytes);
-        let is_same = std::mem::replace(&mut self.data, data) == data;
-        let pace = self.pace.beat(syncs, is_same);
+        let change = self.change(data);
+        let pace = self.pace.beat(syncs, change == Change::None);
         let Some(last) = self.last.replace(now) else { return if is_new { StreamEvent::New } else { length } };
         let interval = now.since(last).nanos();
-        let rhythm = self.interval(interval, is_same, last);
+        let rhythm = self.interval(interval, change, last);
         self.longest = self.longest.max(interval);
         self.before = [self.before[1], interval];
         match (rhythm, pace) {
@@ -215,6 +227,17 @@ impl Stream {
             (StreamEvent::Usual, Beat::Kept) => StreamEvent::InStep,
             (StreamEvent::Usual, Beat::Usual) => length,
             _ => rhythm,
+        }
+    }
+
+    /// Compares the data with the data of the last two frames.
+    fn change(&mut self, data: u64) -> Change {
+        let [earlier, before] = self.data;
+        self.data = [before, data];
+        match data {
+            _ if data == before => Change::None,
+            _ if data == earlier => Change::Back,
+            _ => Change::Other,
         }
     }
 
@@ -231,7 +254,7 @@ impl Stream {
         if times < Self::USUAL_LENGTH { StreamEvent::Usual } else { StreamEvent::Length { before, times } }
     }
 
-    fn interval(&mut self, interval: u64, is_same: bool, last: Timestamp) -> StreamEvent {
+    fn interval(&mut self, interval: u64, change: Change, last: Timestamp) -> StreamEvent {
         let period = self.period;
         if interval > period * Self::SILENCE && self.is_timed() {
             self.off = 0;
@@ -245,12 +268,12 @@ impl Stream {
         if near(interval, period, period / 8 + 2_000_000) {
             (self.divided, self.additional) = (0, 0);
             self.regular = self.regular.saturating_add(1);
-            self.unchanged += u32::from(is_same && self.unchanged < Self::UNCHANGED);
+            self.unchanged += u32::from(change == Change::None && self.unchanged < Self::UNCHANGED);
             self.off = self.off.saturating_sub(1);
             if self.paused != 0 && self.regular >= Self::RETURNED {
                 return self.returned();
             }
-        } else if self.completes(interval) {
+        } else if change == Change::Back && self.completes(interval) {
             return self.additional();
         } else {
             let event = self.late(interval, last);
@@ -263,8 +286,8 @@ impl Stream {
         StreamEvent::Usual
     }
 
-    /// Whether the interval and the one before it are a period together, into which another frame came. Halves do not
-    /// count: a sender that has doubled its rate causes them.
+    /// Whether the last two intervals together make one period, so that the frame between them is additional. Two equal
+    /// intervals do not count: a sender that has doubled its rate causes them.
     fn completes(&self, interval: u64) -> bool {
         let before = self.before[1];
         let (short, long) = (interval.min(before), interval.max(before));
@@ -275,16 +298,16 @@ impl Stream {
             && long - short > self.period / 8
     }
 
-    /// Counts a frame within the period.
+    /// Counts a period with an additional frame.
     #[cold]
     fn additional(&mut self) -> StreamEvent {
-        // The interval before did not show another period.
+        // The interval before has counted as a sign of another period, which it was not.
         self.off = self.off.saturating_sub(2);
         self.additional = self.additional.saturating_add(1);
         StreamEvent::Additional { period: Duration(self.period), times: self.additional }
     }
 
-    /// Whether the frame is late, once, after many punctual ones.
+    /// Reports a frame that is late after many punctual ones.
     fn late(&self, interval: u64, since: Timestamp) -> StreamEvent {
         let is_late = self.regular >= Self::PUNCTUAL
             && self.is_timed()

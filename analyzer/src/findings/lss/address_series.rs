@@ -6,20 +6,20 @@ use crate::findings::{Context, Seen};
 use canvass_macros::rule;
 use canvass_traces::Duration;
 
-/// the requests that address an LSS or LMT slave come incomplete or in another order
+/// the requests that address an LSS or LMT slave are incomplete, or in another order
 ///
-/// A slave is addressed by a series of requests: 40h to 43h (switch selective) or 46h to 4Bh (identify) in LSS, 01h to 03h
-/// or 05h to 08h in LMT. A request of the series is missing, comes in the place of another one, or comes twice with different
-/// values; or another request comes before the series is complete. A series that begins before the capture is not
-/// judged.
+/// The master addresses a slave by a series of requests: 40h to 43h (switch selective; CiA 305, 6.3.3) or 46h to 4Bh (identify;
+/// 6.6.2) in LSS, 01h to 03h or 05h to 08h in LMT. In this series a request is missing, stands in another place, or comes
+/// twice with different values; or the master sends another request before the series is complete. The rule does not judge a
+/// series that may have begun before the capture.
 ///
 /// # Why
-/// A slave takes part of an address for nothing, or keeps a number of the series before: the master then configures no
-/// slave, or another one than it means.
+/// Some slaves accept the requests in one order only, others in any order that ends with the last one. The master then
+/// configures no slave, or another slave than it means.
 ///
 /// # What to do
-/// Check whether a second master (often a configuration tool) sends on 7E5h at the same time. With a single master, its
-/// software sends the series wrongly, or frames are missing in the capture.
+/// Check whether a second master, such as a configuration tool, sends on 7E5h at the same time. If there is only one
+/// master, its software sends the series wrongly, or the capture lacks frames.
 #[rule(id = "lss/address-series", severity = Warning, rank = Detail, services = [Lss, Lmt])]
 struct AddressSeries {
     series: Series,

@@ -8,15 +8,15 @@ use canvass_macros::rule;
 
 /// a layer setting is asked of slaves that are not in configuration state
 ///
-/// After a request that switches all slaves back to waiting (04h 00h), and before one that switches any to configuration,
-/// the master activates bit timing (15h), to which no slave answers. Other requests are reported as lss/unanswered
-/// if no slave answers; if one does, it has not obeyed the switch, and this rule reports an information.
+/// The master has switched all slaves to waiting (04h 00h), and then activates bit timing (15h) without switching a slave to
+/// configuration. No slave answers this request, so nothing else shows the mistake. If a slave answers another request in
+/// this state, it has not followed the switch: this is an information. lss/unanswered reports requests without an answer.
 ///
 /// # Why
 /// No slave changes its bit rate, while the master may change its own.
 ///
 /// # What to do
-/// Send the request before 04h 00h: only slaves in configuration state act on it.
+/// Activate bit timing before the switch to waiting. Only slaves in configuration state change their bit rate.
 #[rule(id = "lss/not-in-configuration", severity = Warning, rank = Detail, services = [Lss, Lmt])]
 struct NotInConfiguration {
     /// The request that switched all slaves to waiting, as long as all of them wait.

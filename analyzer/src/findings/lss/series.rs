@@ -1,11 +1,11 @@
-//! The series of requests that together address one slave, or a range of slaves.
+//! Series of requests by which the master addresses one slave, or a range of slaves.
 
 use super::exchange::own_command;
 use crate::findings::Context;
 use crate::message::Message;
 use crate::wire::{lmt, lss};
 
-/// Follows the series of the master.
+/// The series that the master sends now.
 #[derive(Clone, Copy, Default)]
 pub struct Series {
     open: Option<Open>,
@@ -13,12 +13,14 @@ pub struct Series {
     began: bool,
 }
 
-/// A series of which requests came.
+/// A series that has begun.
 #[derive(Clone, Copy)]
 struct Open {
+    /// The command specifier of the first request.
     first: u8,
+    /// Number of requests.
     count: u8,
-    /// The place of the request that is next.
+    /// The place, from 0, of the next request.
     next: u8,
     /// The value of the last request.
     value: [u8; 7],
@@ -26,25 +28,25 @@ struct Open {
     is_exact: bool,
 }
 
-/// What a request is in the series of the master.
+/// The place of a request in the series.
 #[derive(Clone, Copy, PartialEq, Eq, Debug)]
 pub enum Step {
-    /// The request is none of a series, or in its place.
+    /// The request belongs to no series, or is in its place.
     Regular,
-    /// The last request of a series; whether the series addresses exactly one slave.
+    /// The request completes a series.
     Complete {
-        /// Whether only one slave can have this address.
+        /// Whether the series identifies a single address.
         is_exact: bool,
     },
-    /// The request before it, with another value.
+    /// The request repeats the request before it with another value.
     Again,
-    /// Another request of the series should come, with this command specifier.
+    /// The request comes in the place of the request with this command specifier.
     Misplaced(u8),
-    /// The series before it has ended before this request, which has this command specifier.
+    /// The series before this request is incomplete: it lacks the request with this command specifier.
     CutShort(u8),
 }
 
-/// The place of a request in its series: the first command specifier, the place from 0, and the number of requests.
+/// The series of a request: its first command specifier, the place of the request from 0, and the number of requests.
 fn place(message: &Message, command: u8) -> Option<(u8, u8, u8)> {
     use crate::wire::layer_setting::Request::{IdentifyRemote, SwitchSelective};
     let of = |first: u8, count: usize| Some((first, command - first, count as u8));

@@ -1,7 +1,7 @@
 use super::exchange::{Sender, own_command, sender, words};
-use crate::findings::Context;
 use crate::findings::rule::Rule;
 use crate::findings::sink::{Report, Sink};
+use crate::findings::{Context, Severity};
 use crate::message::Message;
 use crate::wire::lss::Request;
 use crate::wire::{lmt, lss};
@@ -9,16 +9,16 @@ use canvass_macros::rule;
 
 /// an LSS or LMT request has a value that no standard defines
 ///
-/// A request on 7E5h has a command specifier that neither CiA 305 nor CiA DS-205 defines, switches to a state other than 0
-/// and 1, or is a Fastscan of a number or bit that no address has. A command specifier of an answer on 7E5h shows that a
-/// slave sends with the CAN-ID of the master.
+/// A request on 7E5h switches to a state other than 0 and 1 (CiA 305, 6.3.2), or it is a Fastscan of a number or bit that no
+/// LSS address has. Or the message is an answer: a slave sends with the CAN-ID of the master. Other unknown command
+/// specifiers are an information, because a manufacturer may use them.
 ///
 /// # Why
 /// No slave acts on the request. A slave that sends on 7E5h disturbs the master, and other slaves take its answer for a
 /// request.
 ///
 /// # What to do
-/// Look at the software of the master; in captures of a disturbed bus, at the error frames.
+/// Check the software of the master. In the capture of a disturbed bus, see the error frames first.
 #[rule(id = "lss/undefined-request", severity = Warning, rank = Detail, services = [Lss, Lmt])]
 struct UndefinedRequest;
 
@@ -32,25 +32,25 @@ const fn is_answer(command: u8) -> bool {
     matches!(command, 0x09 | 0x44 | 0x4F | 0x50)
 }
 
-/// What is undefined in a request.
-fn fault(context: &Context<'_>) -> Option<&'static str> {
+/// The severity and the text of a request's fault; `None` if the request is defined.
+fn fault(context: &Context<'_>) -> Option<(Severity, &'static str)> {
     let command = own_command(context);
+    let warning = |text| Some((Severity::Warning, text));
     match context.message() {
         Message::LssRequest(Request::Unknown { .. }) | Message::LmtRequest(lmt::Request::Unknown { .. }) => {
-            Some(if is_answer(command) {
-                "is an answer: a slave sends with the master's CAN-ID"
+            if is_answer(command) {
+                warning("is an answer: a slave sends with the master's CAN-ID")
             } else {
-                "is not defined"
-            })
+                Some((Severity::Info, "is not defined"))
+            }
         }
         Message::LssRequest(Request::SwitchGlobal { mode: 2.. })
-        | Message::LmtRequest(lmt::Request::SwitchGlobal { mode: 2.. }) => {
-            Some("switches to a state that is not defined")
-        }
+        | Message::LmtRequest(lmt::Request::SwitchGlobal { mode: 2.. }) => warning("switches to an undefined state"),
         Message::LssRequest(Request::Fastscan { bit_check, sub, next, .. }) => {
             let is_bit = *bit_check < BITS || *bit_check == BEGINS_SCAN;
             let is_number = |number: u8| usize::from(number) < lss::Part::ALL.len();
-            (!is_bit || !is_number(*sub) || !is_number(*next)).then_some("scans a number or bit that no address has")
+            let is_defined = is_bit && is_number(*sub) && is_number(*next);
+            if is_defined { None } else { warning("scans a number or bit that no LSS address has") }
         }
         _ => None,
     }
@@ -61,8 +61,9 @@ impl Rule for UndefinedRequest {
         if sender(context.message()) != Some(Sender::Master) {
             return;
         }
-        let Some(what) = fault(context) else { return };
-        let report = Report::at(context.now()).detail(u64::from(own_command(context))).evidence(context.evidence());
+        let Some((severity, what)) = fault(context) else { return };
+        let report = Report::at(context.now()).detail(u64::from(own_command(context))).severity(severity);
+        let report = report.evidence(context.evidence());
         sink.report(report, || {
             format!("the request {:02X}h {what}: {}", own_command(context), words(context.message()))
         });

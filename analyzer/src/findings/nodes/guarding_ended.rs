@@ -7,18 +7,19 @@ use crate::message::{Message, Service};
 use crate::{NodeId, PerNode};
 use canvass_macros::rule;
 
-/// the master no longer guards a node
+/// the master no longer guards a node, or guards it once more
 ///
-/// The guarding requests (remote frames) to a node had a period, and do not come for many periods until the capture ends,
-/// although the node has answered the last one, the master has commanded nothing since, and the node sends no heartbeat. If
-/// the life time of the node is known, nodes/life-guarding reports it. Or a request more comes within a period.
+/// The guarding requests (remote frames) to a node had a period. Then they stay away until the capture ends, for many periods.
+/// The node has answered the last request and sends no heartbeat, and no NMT command to it explains the silence. If the life
+/// time of the node is known, nodes/life-guarding judges the silence instead. The rule also reports an additional request
+/// within a period.
 ///
 /// # Why
-/// A node with a life time (100Ch times 100Dh) detects a life guarding event and goes to its safe state. The master does not
-/// notice when the node fails.
+/// A node with a life time (100Ch multiplied by 100Dh) detects a life guarding event, and may leave operational. The master
+/// does not notice when the node fails.
 ///
 /// # What to do
-/// See what the master did at this time. A request more often comes from a second master, such as a configuration tool.
+/// See what the master did at this time. If a request is additional, look for a second master, such as a configuration tool.
 #[rule(id = "nodes/guarding-ended", severity = Info, rank = State, services = [Guarding, Nmt, BootUp])]
 struct GuardingEnded {
     /// a silence beyond this share of the period is reported

@@ -7,9 +7,9 @@ use canvass_macros::rule;
 
 /// a PDO changes its length
 ///
-/// A PDO whose mapping is not known, or an RPDO that may be longer than its mapping, has had one length in at least 10
-/// frames, and then comes with another. NMT commands, boot-ups and writes to its parameters begin anew. Lengths that the
-/// mapping forbids belong to pdo/length.
+/// A PDO comes with another length than at least 10 frames before it. The rule judges PDOs without a known mapping, and RPDOs,
+/// which may be longer than their mapping. NMT commands, boot-ups and writes to the parameters of the PDO begin anew.
+/// pdo/length reports a length that the mapping forbids.
 ///
 /// # Why
 /// The length of a PDO follows from its mapping, which does not change while its node is operational (CiA 301): the

@@ -5,20 +5,20 @@ use crate::findings::sink::{Report, Sink};
 use crate::findings::{Context, Scene, Seen, Severity};
 use crate::message::{Message, PdoNumber};
 use canvass_macros::rule;
-use canvass_traces::Duration;
+use canvass_traces::{Duration, Timestamp};
 
-/// a PDO appears of a node that does nothing else
+/// a PDO appears of a node that sends nothing else
 ///
-/// In the middle of the capture a PDO appears whose CAN-ID belongs to a node that sends no boot-up, heartbeat or answer, nor
-/// another PDO; and no COB-ID in the SDO traffic of the capture explains the CAN-ID. If a PDO of another node with the same
-/// length stayed away at this moment, and does not come again, the finding is a warning: it has moved to another CAN-ID.
-/// Otherwise it is an information.
+/// In the middle of the capture a PDO appears. Its CAN-ID belongs to a node that sends no boot-up, no heartbeat, no SDO
+/// response and no other PDO, and the SDO traffic assigns the CAN-ID to no other node. The finding is an information. It is a
+/// warning if a periodic PDO of another node with the same length ended at this moment: then this PDO has moved to another
+/// CAN-ID.
 ///
 /// # Why
 /// A device may send with a wrong CAN-ID: its consumers miss the PDO, and consumers of this CAN-ID take it for their own.
 ///
 /// # What to do
-/// Find the sender: see which node stops sending at this time, and read 180xh:1 and 140xh:1 of this node.
+/// Find the node that stops sending at this time, and read its objects 180xh:1 and 140xh:1.
 #[rule(id = "pdo/of-unknown-node", severity = Warning, rank = ProcessData, also = UnusualPdos)]
 struct OfUnknownNode {
     appeared: Vec<Appeared>,
@@ -33,13 +33,11 @@ struct Appeared {
 
 /// Maximum number of PDOs that are kept.
 const MOST: usize = 32;
-/// Time after the begin of the capture in which PDOs appear, as the network starts.
+/// Time in which PDOs appear because the network starts.
 const START: Duration = Duration::from_secs(5);
-/// Longest time between the last frame of a PDO and its first frame on another CAN-ID.
-const MOVED: Duration = Duration::from_secs(5);
 
 impl Appeared {
-    /// Whether the node has shown no other sign of itself.
+    /// Whether the PDO is the only message of the node.
     fn is_unknown(&self, scene: &Scene<'_>) -> bool {
         let facts = scene.facts.node(self.node);
         let is_own = |time| time == self.frame.time();
@@ -50,26 +48,32 @@ impl Appeared {
         is_silent && facts.last_boot_up.is_none() && facts.last_operational.is_none() && facts.last_download.is_none()
     }
 
-    /// The PDO of another node that ended as this one appeared.
-    fn before<'a>(&self, scene: &Scene<'a>) -> Option<(NodeId, PdoNumber, &'a Stream)> {
-        // A PDO of which the capture shows only the begin has perhaps not ended the other one.
-        if scene.now.since(self.frame.time()) <= MOVED {
-            return None;
-        }
+    /// Whether a PDO of another node ended as this one appeared: it had a period, and the next frame would have been due.
+    fn replaces(&self, (node, _, stream): &(NodeId, u16, &Stream), scene: &Scene<'_>) -> bool {
+        let at = self.frame.time();
+        let is_same_length = usize::from(stream.usual_length()) == self.frame.record.frame.data().len();
+        let ended = stream.last.zip(stream.period()).filter(|(last, _)| *last <= at);
+        let is_due = |(last, period): (Timestamp, Duration)| {
+            // A PDO of which the capture shows only the begin has perhaps not ended the other one.
+            at.since(last) <= period.times(3) && scene.now.since(at) > period.times(10)
+        };
+        *node != self.node && is_same_length && ended.is_some_and(is_due)
+    }
+
+    /// The PDO of another node that this one replaces; `None` if several may be it.
+    fn before(&self, scene: &Scene<'_>) -> Option<(NodeId, PdoNumber)> {
         let streams = &scene.facts.streams;
-        let length = self.frame.record.frame.data().len();
-        let has_moved = |stream: &Stream| {
-            let last = stream.last.filter(|_| usize::from(stream.usual_length()) == length);
-            last.is_some_and(|last| last <= self.frame.time() && self.frame.time().since(last) <= MOVED)
+        let mut replaced: Vec<(NodeId, PdoNumber)> = match self.pdo {
+            PdoNumber::Transmit(_) => {
+                let ended = streams.all().filter(|row| self.replaces(row, scene));
+                ended.map(|(node, number, _)| (node, PdoNumber::Transmit(number))).collect()
+            }
+            PdoNumber::Receive(_) => {
+                let ended = streams.received().filter(|row| self.replaces(row, scene));
+                ended.map(|(node, number, _)| (node, PdoNumber::Receive(number))).collect()
+            }
         };
-        let row = |(node, number, stream), pdo: fn(u16) -> PdoNumber| (node, pdo(number), stream);
-        let all: Box<dyn Iterator<Item = _>> = match self.pdo {
-            PdoNumber::Transmit(_) => Box::new(streams.all().map(move |all| row(all, PdoNumber::Transmit))),
-            PdoNumber::Receive(_) => Box::new(streams.received().map(move |all| row(all, PdoNumber::Receive))),
-        };
-        let mut moved = all.filter(|(node, _, stream)| *node != self.node && has_moved(stream));
-        // If several fit, nobody knows which one it was.
-        moved.next().filter(|_| moved.next().is_none())
+        replaced.pop().filter(|_| replaced.is_empty())
     }
 
     fn tell(&self, scene: &Scene<'_>, sink: &mut Sink<'_>) {
@@ -79,8 +83,8 @@ impl Appeared {
         let report = Report::at(frame.time()).node(*node).detail(kind << 16 | u64::from(frame.record.frame.id().raw()));
         let report = if moved.is_some() { report } else { report.severity(Severity::Info) };
         sink.report(report.evidence(frame.evidence()), || {
-            let nothing = format!("{pdo} appears, and nothing else of node {}", node.raw());
-            let other = moved.map(|(other, old, _)| format!("; {old} of node {} ended just before", other.raw()));
+            let nothing = format!("{pdo} appears, the only message of node {}", node.raw());
+            let other = moved.map(|(other, old)| format!("; {old} of node {} ended just before", other.raw()));
             nothing + &other.unwrap_or_default()
         });
     }

@@ -8,21 +8,22 @@ use canvass_macros::rule;
 
 /// a PDO leaves the rhythm that it has had
 ///
-/// A PDO has had one rhythm for a long time: a period, while its data did not change, or one number of SYNC messages between
-/// two frames. Then a frame is left out, comes much too late or comes between two others, and the rhythm goes on. A
-/// single event is an information. It is a warning if another frame comes into five periods in a row: then two devices
-/// send the PDO. Where the SDO traffic of the capture shows an event timer, a single additional frame or a late one is
-/// not reported here: an event may send the PDO, and pdo/period compares it with its timer.
+/// The capture has shown a rhythm of the PDO in many frames: a period that the PDO kept while its data did not change, or a
+/// number of SYNC messages from one frame to the next. Then one frame is missing, comes much too late, or is additional, and
+/// the rhythm goes on. A single event is an information. Additional frames in five consecutive periods are a warning: two
+/// devices send the PDO. An additional frame within a period counts only if its data differ from the frames before and
+/// after it, and these have equal data: an event of the device itself would change the data for longer. Where the SDO
+/// traffic shows the event timer of the PDO, pdo/period judges late frames, and single additional frames are not reported.
 ///
 /// # Why
-/// A consumer works with an old value for a cycle, or with a value that another device has sent.
+/// A consumer works with an old value for a cycle, or with the value of another device.
 ///
 /// # What to do
-/// Compare with other PDOs at that time: if they are late too, see the bus load and the recorder. If the data of an
-/// additional frame differ from those around it, look for a second sender with this CAN-ID.
+/// Compare with other PDOs at that time: if they are late too, see the bus load and the recorder. If an additional frame
+/// has other data, look for a second sender with this CAN-ID.
 #[rule(id = "pdo/out-of-rhythm", severity = Warning, rank = ProcessData, also = UnusualPdos)]
 struct OutOfRhythm {
-    /// The PDOs with a frame out of step with SYNC, until the next frames show that it was a single one.
+    /// The PDOs with a frame out of step. It is reported once the next frames are in step again.
     odd: Vec<OutOfStep>,
 }
 
@@ -34,12 +35,12 @@ struct OutOfStep {
     frame: Seen,
 }
 
-/// Number of periods with another frame that prove two senders.
+/// Number of consecutive periods with an additional frame that prove two senders.
 const TWO_SENDERS: u8 = 5;
 /// Maximum number of PDOs with an odd frame that are kept.
 const MOST: usize = 64;
 
-/// The number that distinguishes findings: the kind of event and the PDO.
+/// The detail of a finding: the kind of event, and the PDO.
 fn detail(kind: u64, pdo: PdoNumber) -> u64 {
     let number = match pdo {
         PdoNumber::Transmit(number) => u64::from(number),
@@ -63,7 +64,7 @@ impl OutOfStep {
 }
 
 impl OutOfRhythm {
-    /// Reports a frame that does not fit the learned period.
+    /// Reports a frame that comes too late, or an additional frame within a period.
     fn unpunctual(pdo: (NodeId, PdoNumber), context: &Context<'_>, sink: &mut Sink<'_>) {
         let (node, pdo) = pdo;
         let is_timed = match pdo {
@@ -77,9 +78,12 @@ impl OutOfRhythm {
                 let is_proven = times >= TWO_SENDERS;
                 let report = if is_proven { report } else { report.severity(Severity::Info) };
                 sink.report(report.detail(detail(2, pdo)).measure(u64::from(times)), || {
-                    let more =
-                        if is_proven { "another one in each period: two devices send it" } else { "once more between" };
-                    format!("{pdo} comes every {period}, and {more}")
+                    let more = if is_proven {
+                        "an additional frame in each period: two devices send it"
+                    } else {
+                        "an additional frame between two of them"
+                    };
+                    format!("{pdo} comes every {period}, with {more}")
                 });
             }
             StreamEvent::Late { since, period } if !is_timed => {
